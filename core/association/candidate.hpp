@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "core/association/rigid_fit.hpp"
+#include "core/fix.hpp"
+#include "core/limits.hpp"
+#include "core/memory/fixed_vector.hpp"
+
+namespace slamsensor::core {
+
+using MatchList = FixedVector<Match, kScanLandmarksMax>;
+
+/// A pose from which the scan explains part of the map.
+struct Candidate {
+  Pose2 pose_W;                            ///< refined by least squares over `matches`
+  MatchList matches;                       ///< one to one, by increasing scan landmark
+  std::array<std::uint32_t, 3> triangle{}; ///< the map landmarks that triangulated it first
+  double residual_m2 = 0.0;                ///< sum of squared distances over `matches`
+
+  /// More matches are better; among equals the smaller residual.
+  [[nodiscard]] bool better_than(const Candidate& other) const noexcept {
+    return matches.size() != other.matches.size() ? matches.size() > other.matches.size()
+                                                  : residual_m2 < other.residual_m2;
+  }
+};
+
+/// What a search found: the best candidates first, at most a few of them at one place.
+struct Candidates {
+  FixedVector<Candidate, kCandidatesMax> list;
+  std::uint64_t poses_tried = 0;     ///< poses that were held against the map
+  std::uint64_t vertices_searched = 0;
+  std::uint64_t vertices_total = 0;
+  std::uint64_t neighbours_dropped = 0;  ///< correspondence neighbours beyond kVertexNeighboursMax
+  SearchEnd end = SearchEnd::NotStarted;
+};
+
+/// First and second moments of the scan's landmarks: enough to tell how far apart two poses put them.
+class ScanMoments {
+ public:
+  explicit ScanMoments(std::span<const Point2> scan_L) noexcept;
+
+  /// Root mean square distance (m) between the places that poses `a` and `b` give the scan's landmarks.
+  [[nodiscard]] double displacement_m(const Pose2& a, const Pose2& b) const noexcept;
+
+ private:
+  Point2 mean_L_ = Point2::Zero();
+  double mean_square_m2_ = 0.0;
+};
+
+}  // namespace slamsensor::core

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Core>
+
+namespace slamsensor::core {
+
+/// A point of the plane, m. Its frame is named where it is used: W map, L sensor (x' forward, y' left).
+using Point2 = Eigen::Vector2d;
+
+/// `angle_rad` brought into [-pi, pi).
+[[nodiscard]] inline double wrap_angle(double angle_rad) noexcept {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  const double wrapped = angle_rad - kTurn * std::floor((angle_rad + std::numbers::pi) / kTurn);
+  return wrapped >= std::numbers::pi ? -std::numbers::pi : wrapped;
+}
+
+/// A rigid motion of the plane. As `T_W_L` it takes coordinates in L to W: p_W = T_W_L * p_L. Heading is
+/// counter-clockwise from W's x axis.
+struct Pose2 {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double heading_rad = 0.0;
+
+  [[nodiscard]] Point2 translation() const noexcept { return {x_m, y_m}; }
+
+  [[nodiscard]] Point2 operator*(const Point2& p) const noexcept {
+    const double c = std::cos(heading_rad);
+    const double s = std::sin(heading_rad);
+    return {x_m + c * p.x() - s * p.y(), y_m + s * p.x() + c * p.y()};
+  }
+
+  /// T_A_C = T_A_B * T_B_C.
+  [[nodiscard]] Pose2 operator*(const Pose2& other) const noexcept {
+    const Point2 t = *this * other.translation();
+    return {t.x(), t.y(), wrap_angle(heading_rad + other.heading_rad)};
+  }
+
+  [[nodiscard]] Pose2 inverse() const noexcept {
+    const double c = std::cos(heading_rad);
+    const double s = std::sin(heading_rad);
+    return {-c * x_m - s * y_m, s * x_m - c * y_m, wrap_angle(-heading_rad)};
+  }
+};
+
+}  // namespace slamsensor::core

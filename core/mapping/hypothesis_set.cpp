@@ -1,0 +1,166 @@
+#include "core/mapping/hypothesis_set.hpp"
+
+#include <algorithm>
+
+#include "core/association/associate.hpp"
+
+namespace slamsensor::core {
+
+HypothesisSet::HypothesisSet(Arena& arena, const Config& config) noexcept
+    : config_(config),
+      search_(arena, config.association, config.capacities),
+      builder_(arena, config),
+      scan_B_(arena, "scan: landmarks", config.capacities.scan_landmarks),
+      litters_(arena, "hypotheses: candidates", config.mapping.hypotheses_max) {
+  for (std::uint32_t i = 0; i < config.mapping.hypotheses_max; ++i) {
+    pool_[i].emplace(arena, config.capacities);
+  }
+}
+
+void HypothesisSet::reset() noexcept {
+  kept_.clear();
+  scans_ = 0;
+  jumps_ = 0;
+}
+
+void HypothesisSet::take_landmarks(std::span<const ScanLandmark> landmarks) noexcept {
+  const Pose2 mount_B_L{config_.mount.x_m, config_.mount.y_m, config_.mount.heading_rad};
+  scan_B_.clear();
+  for (const ScanLandmark& landmark : landmarks) {
+    if (!on_lattice(landmark.position_L)) {
+      ++counters_.landmarks_refused;
+    } else if (!scan_B_.try_push_back(mount_B_L * landmark.position_L)) {
+      ++counters_.landmarks_cut;
+    }
+  }
+}
+
+Fix HypothesisSet::process(std::span<const ScanLandmark> landmarks, const Deadline& deadline) noexcept {
+  Fix fix;
+  fix.scan = scans_++;
+  fix.jumps = jumps_;
+  take_landmarks(landmarks);
+  association_.matches.clear();
+  fix.landmarks_seen = static_cast<std::uint32_t>(scan_B_.size());
+  if (scan_B_.size() < std::max(3U, config_.association.landmarks_min)) {
+    fix.reason = FixReason::TooFewLandmarks;
+  } else if (kept_.empty()) {
+    builder_.start(scan_B_.span(), fix.scan, *pool_[0]);
+    SLAMSENSOR_ASSERT(kept_.try_push_back(0));
+    fix.status = FixStatus::Fix;
+    fix.reason = FixReason::None;
+    fix.search_end = SearchEnd::Complete;
+  } else {
+    associate_all(deadline);
+    const Generation generation = spawn();
+    report(generation[0], fix);
+    replace(generation);
+    fix.jumps = jumps_;
+  }
+  if (!kept_.empty()) {
+    fix.landmarks_in_map = best().map.size();
+    fix.weight_best = best().weight;
+    fix.weight_runner_up = kept_.size() > 1 ? pool_[kept_[1]]->weight : 0;
+  }
+  return fix;
+}
+
+void HypothesisSet::associate_all(const Deadline& deadline) noexcept {
+  SLAMSENSOR_ASSERT(litters_.try_resize(kept_.size()));
+  for (std::size_t h = 0; h < kept_.size(); ++h) {
+    Litter& litter = litters_[h];
+    litter.verdict = associate(scan_B_.span(), pool_[kept_[h]]->map.view(), config_, deadline, search_, litter.found);
+    counters_.neighbours_dropped += litter.found.neighbours_dropped;
+    counters_.searches_cut += litter.found.end == SearchEnd::Deadline ? 1 : 0;
+  }
+}
+
+/// The next generation, best W first. A parent whose scan is not believed goes on as it is; one whose scan is believed
+/// goes on only in its offspring: its candidates at the believed place (computed rule) or all of them (the paper's).
+HypothesisSet::Generation HypothesisSet::spawn() const noexcept {
+  Generation generation;
+  const auto insert = [&](const Offspring& offspring) {
+    if (generation.size() == config_.mapping.hypotheses_max) {
+      if (offspring.weight <= generation.back().weight) {
+        return;
+      }
+      generation.truncate(generation.size() - 1);
+    }
+    std::size_t place = generation.size();
+    SLAMSENSOR_ASSERT(generation.try_push_back(offspring));
+    for (; place > 0 && generation[place - 1].weight < offspring.weight; --place) {
+      generation[place] = generation[place - 1];
+    }
+    generation[place] = offspring;
+  };
+  const ScanMoments moments(scan_B_.span());
+  for (std::uint32_t h = 0; h < kept_.size(); ++h) {
+    const std::uint64_t weight = pool_[kept_[h]]->weight;
+    const Litter& litter = litters_[h];
+    if (litter.verdict.status != FixStatus::Fix) {
+      insert({h, -1, weight});
+      continue;
+    }
+    for (std::size_t c = 0; c < litter.found.list.size(); ++c) {
+      const Candidate& candidate = litter.found.list[c];
+      if (config_.acceptance.rule == AcceptanceRule::Paper ||
+          moments.displacement_m(candidate.pose_W, litter.found.list[0].pose_W) <=
+              2.0 * config_.association.tolerance_m) {
+        insert({h, static_cast<std::int32_t>(c), weight + candidate.matches.size()});
+      }
+    }
+  }
+  return generation;
+}
+
+void HypothesisSet::report(const Offspring& best, Fix& fix) noexcept {
+  const Litter& litter = litters_[best.parent];
+  const LandmarkMap& map = pool_[kept_[best.parent]]->map;
+  const std::size_t chosen = best.candidate < 0 ? 0 : static_cast<std::size_t>(best.candidate);
+  describe(litter.verdict, litter.found, chosen, scan_B_.span(), map.view(), config_, fix);
+  if (litter.found.list.empty()) {
+    return;
+  }
+  const Candidate& candidate = litter.found.list[chosen];
+  fix.error_xi = PositionalError::of_scan(map, candidate.triangle);
+  association_.matches = candidate.matches;
+  for (std::size_t i = 0; i < candidate.matches.size(); ++i) {
+    association_.matched_W[i] = map.positions_W()[candidate.matches[i].map];
+  }
+}
+
+void HypothesisSet::extend(std::uint32_t slot, const Offspring& offspring) noexcept {
+  if (offspring.candidate >= 0) {
+    const Candidate& candidate = litters_[offspring.parent].found.list[static_cast<std::size_t>(offspring.candidate)];
+    builder_.extend(scan_B_.span(), candidate, scans_ - 1, *pool_[slot]);
+  }
+}
+
+/// Turns the kept hypotheses into the next generation. A parent's first offspring takes over its slot; the others are
+/// copied into slots that no parent with offspring holds. There are at most hypotheses_max of all of them.
+void HypothesisSet::replace(const Generation& generation) noexcept {
+  std::array<bool, kHypothesesMax> taken{};
+  std::array<bool, kHypothesesMax> first_done{};
+  FixedVector<std::uint32_t, kHypothesesMax> next;
+  for (const Offspring& offspring : generation) {
+    taken[kept_[offspring.parent]] = true;
+  }
+  for (const Offspring& offspring : generation) {
+    std::uint32_t slot = kept_[offspring.parent];
+    if (first_done[offspring.parent]) {
+      slot = static_cast<std::uint32_t>(std::find(taken.begin(), taken.end(), false) - taken.begin());
+      SLAMSENSOR_ASSERT(slot < config_.mapping.hypotheses_max);
+      taken[slot] = true;
+      pool_[slot]->copy_from(*pool_[kept_[offspring.parent]]);
+    }
+    first_done[offspring.parent] = true;
+    SLAMSENSOR_ASSERT(next.try_push_back(slot));
+  }
+  for (std::size_t i = 0; i < generation.size(); ++i) {
+    extend(next[i], generation[i]);
+  }
+  jumps_ += generation[0].parent != 0 ? 1 : 0;  // the solution goes on from what was not the solution
+  kept_ = next;
+}
+
+}  // namespace slamsensor::core

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <span>
+
+#include "core/config.hpp"
+#include "core/deadline.hpp"
+#include "core/detection/landmark_detector.hpp"
+#include "core/fix.hpp"
+#include "core/landmark.hpp"
+#include "core/mapping/hypothesis_set.hpp"
+#include "core/memory/arena.hpp"
+#include "core/reading.hpp"
+
+namespace slamsensor::core {
+
+/// The whole method: scanlines in, fixes out. All its memory is taken from the arena at construction; afterwards no
+/// call allocates, throws, locks or reads a clock. One thread.
+class Slam {
+ public:
+  Slam(Arena& arena, const Config& config) noexcept;
+
+  /// Folds one scanline (readings that share a tilt, in the order of the sweep) into the scan that is being made.
+  void add_scanline(std::span<const Reading> scanline) noexcept;
+
+  /// Ends the scan: detects its landmarks, finds its pose, brings it into the maps. The next scanline starts a new scan.
+  [[nodiscard]] Fix finish_scan(const ScanTime& time, const Deadline& deadline) noexcept;
+
+  /// The same for a scan whose landmarks were found elsewhere, heaviest first.
+  [[nodiscard]] Fix process(std::span<const ScanLandmark> landmarks, const ScanTime& time,
+                            const Deadline& deadline) noexcept;
+
+  /// The landmarks of the last scan, heaviest first; valid until the next scan.
+  [[nodiscard]] std::span<const ScanLandmark> landmarks() const noexcept { return landmarks_; }
+  [[nodiscard]] const HypothesisSet& hypotheses() const noexcept { return hypotheses_; }
+
+  /// Forgets maps and paths; the next scan starts a new map.
+  void reset() noexcept { hypotheses_.reset(); }
+
+ private:
+  LandmarkDetector detector_;
+  HypothesisSet hypotheses_;
+  std::span<const ScanLandmark> landmarks_;
+};
+
+/// The memory that Slam takes with `config`, line by line; `bytes` receives the size of the block to give it.
+[[nodiscard]] Arena::Plan plan_memory(const Config& config, std::size_t& bytes) noexcept;
+
+}  // namespace slamsensor::core

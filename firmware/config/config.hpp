@@ -1,0 +1,58 @@
+#pragma once
+
+#include "core/config.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace slamsensor::firmware {
+
+/// How a point cloud becomes scanlines (tools/input/pcd). A cloud with a `ring` field has a scanline per
+/// ring.
+struct PointCloudConfig {
+  double tilt_step_rad =
+      0.5 * core::kDegree;          ///< without rings, points are grouped into scanlines of this height
+  bool absent_is_no_return = true;  ///< a column without a point was looked at and nothing came back
+  double roll_rad = 0.0;            ///< attitude of the sensor, taken out of every point before anything else
+  double pitch_rad = 0.0;
+};
+
+/// What makes a landmark of a list heavy; the heaviest `detection.landmarks_max` are used.
+enum class LandmarkOrder : std::uint8_t { Weight, Diameter, Nearest };
+
+/// How a list of landmarks (DESIGN 6) becomes a scan.
+struct LandmarkListConfig {
+  LandmarkOrder order = LandmarkOrder::Weight;
+  double weight_min = 0.0;  ///< lighter rows are left out
+  double diameter_min_m = 0.0;
+};
+
+/// Ties the map frame to the earth (DESIGN 4). Its four keys are given together or not at all.
+struct Datum {
+  double latitude_deg = 0.0;
+  double longitude_deg = 0.0;
+  double height_m = 0.0;      ///< ellipsoidal
+  double bearing_deg = 90.0;  ///< true bearing of the map's x axis, clockwise from north
+};
+
+/// What a live fix calls itself in GGA and RMC: quality 1 mode A, 4 R, 5 F.
+enum class NmeaQuality : std::uint8_t { Autonomous, RtkFixed, RtkFloat };
+
+struct NmeaConfig {
+  std::string talker = "GP";
+  NmeaQuality quality = NmeaQuality::Autonomous;
+  bool zda = false;               ///< date and time as a sentence of its own, once a second
+  double landmark_sigma_m = 0.3;  ///< 1 sigma of a landmark's place: unit of HDOP and the RMS of GST
+};
+
+/// Every setting of the product.
+struct Config {
+  core::Config core;
+  PointCloudConfig point_cloud;
+  LandmarkListConfig landmark_list;
+  NmeaConfig nmea;
+  std::optional<Datum> datum;
+};
+
+}  // namespace slamsensor::firmware

@@ -1,0 +1,49 @@
+#pragma once
+
+#include "firmware/config/config.hpp"
+#include "firmware/config/config_error.hpp"
+#include "firmware/config/setting.hpp"
+
+#include <tl/expected.hpp>
+
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+namespace slamsensor::firmware {
+
+/// A configuration in force, and who set each key of settings() (same order). Starts as the built-in
+/// defaults.
+struct LoadedConfig {
+  Config config;
+  std::vector<Origin> origins = std::vector<Origin>(settings().size());
+
+  /// Who set the key `path` of the registry; the default for a path that is no key.
+  [[nodiscard]] const Origin& origin(std::string_view path) const;
+};
+
+/// Reports every mistake of a layer, but at most this many and then one that says so.
+inline constexpr std::size_t kConfigErrorsMax = 100;
+
+/// Lays the keys of the TOML document `text` over `onto`, and notes `name` and line as their origin. Returns
+/// every mistake in the order of the lines: syntax, unknown section or key, wrong type, not finite, out of
+/// range, incomplete optional section. A key that is at fault keeps its former value; all others are in
+/// force. Does not compare keys with each other: check_config does, once all layers are on.
+[[nodiscard]] std::vector<ConfigError> apply_layer(LoadedConfig& onto, std::string_view text,
+                                                   std::string_view name);
+
+/// Every rule that two or more keys break together, each at the place of one of them. Rules about a key that
+/// `known` already names are left out: its value in force is not the one that was written.
+[[nodiscard]] std::vector<ConfigError> check_config(const LoadedConfig& loaded,
+                                                    const std::vector<ConfigError>& known = {});
+
+/// The defaults with `text` laid over them, if there is no mistake in it; else all mistakes. `name` stands
+/// for the file in messages.
+[[nodiscard]] tl::expected<LoadedConfig, std::vector<ConfigError>> load_config_text(std::string_view text,
+                                                                                    std::string_view name);
+
+/// The same from a file of at most 1 MiB.
+[[nodiscard]] tl::expected<LoadedConfig, std::vector<ConfigError>> load_config(
+    const std::filesystem::path& path);
+
+}  // namespace slamsensor::firmware

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdlib>
+#include <memory>
+#include <span>
+
+#include "core/slam.hpp"
+
+namespace slamsensor::firmware {
+
+/// The stations from readings to fix (DESIGN 1) with the one block of memory that they live in. The daemon, the replay
+/// of a recording and the tests run this same code; they differ in who feeds it and who takes the fix. One thread.
+class Pipeline {
+ public:
+  /// Takes the block that `config` asks for, and writes to all of it, so that no later call meets a page fault. Throws
+  /// std::bad_alloc when the system has not so much memory.
+  explicit Pipeline(const core::Config& config);
+
+  /// Localises one scan from its scanlines, each in the order of the sweep.
+  template <typename Scanlines>
+  [[nodiscard]] core::Fix process(const Scanlines& scanlines, const core::ScanTime& time,
+                                  const core::Deadline& deadline) {
+    for (const auto& scanline : scanlines) {
+      slam_->add_scanline(scanline);
+    }
+    return slam_->finish_scan(time, deadline);
+  }
+
+  /// Localises one scan from landmarks that were found elsewhere, heaviest first.
+  [[nodiscard]] core::Fix process_landmarks(std::span<const core::ScanLandmark> landmarks, const core::ScanTime& time,
+                                            const core::Deadline& deadline) {
+    return slam_->process(landmarks, time, deadline);
+  }
+
+  [[nodiscard]] const core::Slam& slam() const { return *slam_; }
+
+ private:
+  struct Free {
+    void operator()(std::byte* block) const { std::free(block); }  // NOLINT: from aligned_alloc
+  };
+  std::unique_ptr<std::byte, Free> block_;
+  std::unique_ptr<core::Slam> slam_;
+};
+
+}  // namespace slamsensor::firmware

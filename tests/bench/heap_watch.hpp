@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace slamsensor::bench {
+
+/// What the heap was asked for while a HeapWatch lived.
+struct HeapUse {
+  std::uint64_t allocations = 0;  ///< calls of malloc and its kin; operator new is one of them
+  std::size_t peak_bytes = 0;     ///< most that was taken and not yet given back
+};
+
+/// Counts every heap allocation of the process, those of shared libraries included, from construction to
+/// destruction. One at a time.
+class HeapWatch {
+ public:
+  HeapWatch() noexcept;
+  ~HeapWatch();
+  HeapWatch(const HeapWatch&) = delete;
+  HeapWatch& operator=(const HeapWatch&) = delete;
+
+  [[nodiscard]] HeapUse use() const noexcept;
+};
+
+}  // namespace slamsensor::bench

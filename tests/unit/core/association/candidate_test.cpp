@@ -1,0 +1,44 @@
+#include "core/association/candidate.hpp"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/forest.hpp"
+
+namespace slamsensor::core {
+namespace {
+
+TEST(ScanMoments, DisplacementIsTheRootMeanSquareOverTheScan) {
+  tests::Draw draw(21);
+  for (int round = 0; round < 50; ++round) {
+    std::vector<Point2> scan;
+    for (int i = 0; i < 12; ++i) {
+      scan.emplace_back(draw.uniform(-20, 40), draw.uniform(-10, 30));
+    }
+    const Pose2 a{draw.uniform(-50, 50), draw.uniform(-50, 50), draw.uniform(-3, 3)};
+    const Pose2 b{draw.uniform(-50, 50), draw.uniform(-50, 50), draw.uniform(-3, 3)};
+    double sum = 0.0;
+    for (const Point2& p : scan) {
+      sum += (a * p - b * p).squaredNorm();
+    }
+    EXPECT_NEAR(ScanMoments(scan).displacement_m(a, b), std::sqrt(sum / 12.0), 1e-9);
+  }
+  EXPECT_EQ(ScanMoments({}).displacement_m({}, {}), 0.0);
+}
+
+TEST(Candidate, MoreMatchesFirstThenTheSmallerResidual) {
+  Candidate a;
+  Candidate b;
+  ASSERT_TRUE(a.matches.try_push_back({0, 0}));
+  a.residual_m2 = 9.0;
+  EXPECT_TRUE(a.better_than(b));
+  EXPECT_FALSE(b.better_than(a));
+  ASSERT_TRUE(b.matches.try_push_back({0, 1}));
+  b.residual_m2 = 1.0;
+  EXPECT_TRUE(b.better_than(a));
+  EXPECT_FALSE(a.better_than(a));
+}
+
+}  // namespace
+}  // namespace slamsensor::core

@@ -1,0 +1,315 @@
+#include "core/association/paper_search.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/association/acceptance.hpp"
+#include "core/association/triangulation.hpp"
+#include "core/mapping/landmark_map.hpp"
+#include "tests/support/in_arena.hpp"
+#include "tests/support/forest.hpp"
+
+namespace slamsensor::core {
+namespace {
+
+using tests::Draw;
+using tests::Forest;
+
+/// A map and a search over it, with the config they share.
+class Searched {
+ public:
+  Searched(const std::vector<Point2>& map_W, const AssociationConfig& config)
+      : config_(config),
+        capacities_(capacities_for(map_W)),
+        map_(capacities_),
+        delaunay_(static_cast<std::uint32_t>(map_W.size())),
+        search_(config, capacities_) {
+    for (const Point2& p : map_W) {
+      EXPECT_TRUE(map_->try_add({}, p));
+    }
+    map_->rebuild_index(*delaunay_, config_);
+  }
+  const Candidates& search(const std::vector<Point2>& scan_L, std::uint32_t variants_max = 1,
+                           const Deadline& deadline = {}) {
+    search_->search(scan_L, map_view(), variants_max, deadline, *found_);
+    return *found_;
+  }
+  const Candidates& rest(const Deadline& deadline = {}) {
+    search_->search_rest(deadline, *found_);
+    return *found_;
+  }
+  const MapView& map_view() {
+    view_.emplace(map_->view());
+    return *view_;
+  }
+
+ private:
+  static Capacities capacities_for(const std::vector<Point2>& map_W) {
+    Capacities c;
+    c.scan_landmarks = 64;
+    c.map_landmarks = static_cast<std::uint32_t>(map_W.size());
+    c.map_edges = 14 * c.map_landmarks + 100;
+    return c;
+  }
+  AssociationConfig config_;
+  Capacities capacities_;
+  tests::InArena<LandmarkMap> map_;
+  tests::InArena<Delaunay> delaunay_;
+  tests::InArena<PaperSearch> search_;
+  std::unique_ptr<Candidates> found_ = std::make_unique<Candidates>();
+  std::optional<MapView> view_;
+};
+
+TEST(PaperSearch, FindsTheScanInAForest) {
+  for (const std::uint32_t count : {60U, 180U, 1000U}) {
+    int right = 0;
+    constexpr int kQueries = 20;
+    Draw draw(100 + count);
+    const Forest forest = tests::make_forest(count, draw);
+    Searched searched(forest.trees_W, {});
+    for (int i = 0; i < kQueries; ++i) {
+      const Pose2 truth = tests::pose_in(forest, draw);
+      const Candidates& found = searched.search(tests::scan_forest(forest, truth, {}, draw));
+      right += !found.list.empty() && tests::is_right(found.list[0].pose_W, truth) ? 1 : 0;
+    }
+    EXPECT_GE(right, kQueries - 1) << count << " trees";
+  }
+}
+
+/// The best match count over all triples of all pairs, by brute force: the search may not miss what it would rank first.
+std::size_t best_by_brute_force(const std::vector<Point2>& scan, const MapView& map, const AssociationConfig& config) {
+  tests::InArena<PoseScorer> scorer(config, static_cast<std::uint32_t>(map.positions_W.size()));
+  const auto k = static_cast<std::uint32_t>(scan.size());
+  const auto n = static_cast<std::uint32_t>(map.positions_W.size());
+  std::size_t best = 0;
+  for (std::uint32_t i = 0; i < k; ++i) {
+    for (std::uint32_t j = i + 1; j < k; ++j) {
+      for (std::uint32_t l = j + 1; l < k; ++l) {
+        for (std::uint32_t a = 0; a < n; ++a) {
+          for (std::uint32_t b = 0; b < n; ++b) {
+            if (std::abs((scan[i] - scan[j]).norm() - (map.positions_W[a] - map.positions_W[b]).norm()) >
+                config.tolerance_m) {
+              continue;
+            }
+            for (std::uint32_t c = 0; c < n; ++c) {
+              for (const Pose2& pose : triangulate({scan[i], scan[j], scan[l]},
+                                                   {map.positions_W[a], map.positions_W[b], map.positions_W[c]},
+                                                   config.tolerance_m)) {
+                const auto candidate = scorer->refine(pose, scan, map);
+                best = std::max(best, candidate ? candidate->matches.size() : 0);
+              }
+            }
+          }
+        }
+      }
+    }
+  }
+  return best;
+}
+
+TEST(PaperSearch, ExhaustiveSearchFindsWhatBruteForceRanksFirst) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Draw draw(seed);
+    const Forest forest = tests::make_forest(16, draw);
+    AssociationConfig config;
+    config.order_share = 1.0;
+    config.depth = 16;  // complete graphs: every triple is a triangle
+    Searched searched(forest.trees_W, config);
+    const auto scan = tests::scan_forest(forest, {1.0, -2.0, 0.7}, {10, 0.2, 1, 0.1}, draw);
+    const Candidates& found = searched.search(scan);
+    ASSERT_FALSE(found.list.empty());
+    EXPECT_EQ(found.list[0].matches.size(), best_by_brute_force(scan, searched.map_view(), config)) << "seed " << seed;
+    EXPECT_EQ(found.end, SearchEnd::Complete);
+  }
+}
+
+TEST(PaperSearch, MatchesAreOneToOneWithinTheToleranceAndInOrder) {
+  Draw draw(9);
+  const Forest forest = tests::make_forest(180, draw);
+  Searched searched(forest.trees_W, {});
+  const auto scan = tests::scan_forest(forest, {0, 0, 1}, {}, draw);
+  for (const Candidate& candidate : searched.search(scan, 3).list) {
+    std::vector<bool> used(forest.trees_W.size(), false);
+    double residual = 0.0;
+    for (std::size_t i = 0; i < candidate.matches.size(); ++i) {
+      const Match& m = candidate.matches[i];
+      EXPECT_TRUE(i == 0 || candidate.matches[i - 1].scan < m.scan);
+      EXPECT_FALSE(used[m.map]);
+      used[m.map] = true;
+      const double distance = (candidate.pose_W * scan[m.scan] - forest.trees_W[m.map]).norm();
+      EXPECT_LE(distance, 0.5 + 1e-6);
+      residual += distance * distance;
+    }
+    EXPECT_NEAR(candidate.residual_m2, residual, 1e-3);
+  }
+}
+
+TEST(PaperSearch, CandidatesAreRankedAndFewAtOnePlace) {
+  Draw draw(10);
+  const Forest forest = tests::make_forest(180, draw);
+  Searched searched(forest.trees_W, {});
+  const auto scan = tests::scan_forest(forest, {3, 2, -1}, {}, draw);
+  const ScanMoments moments(scan);
+  const Candidates& found = searched.search(scan, 2);
+  for (std::size_t i = 0; i < found.list.size(); ++i) {
+    int here = 0;
+    for (std::size_t j = 0; j < found.list.size(); ++j) {
+      here += moments.displacement_m(found.list[i].pose_W, found.list[j].pose_W) <= 0.5 ? 1 : 0;
+    }
+    EXPECT_LE(here, 2);
+    EXPECT_TRUE(i == 0 || !found.list[i].better_than(found.list[i - 1]));
+  }
+}
+
+TEST(PaperSearch, SharesOfTheOrderAddUp) {
+  Draw draw(11);
+  const Forest forest = tests::make_forest(180, draw);
+  AssociationConfig eighth;
+  AssociationConfig all;
+  all.order_share = 1.0;
+  Searched stepwise(forest.trees_W, eighth);
+  Searched at_once(forest.trees_W, all);
+  const auto scan = tests::scan_forest(forest, {3, 2, -1}, {}, draw);
+  const Candidates first = stepwise.search(scan);
+  EXPECT_EQ(first.end, SearchEnd::Share);
+  EXPECT_EQ(first.vertices_searched, (first.vertices_total + 7) / 8);
+  const Candidates& rest = stepwise.rest();
+  const Candidates& whole = at_once.search(scan);
+  EXPECT_EQ(rest.end, SearchEnd::Complete);
+  EXPECT_EQ(rest.poses_tried, whole.poses_tried);
+  EXPECT_EQ(rest.list[0].matches.size(), whole.list[0].matches.size());
+  EXPECT_LT(first.poses_tried, whole.poses_tried);
+}
+
+TEST(PaperSearch, StopsAtTheDeadline) {
+  Draw draw(12);
+  const Forest forest = tests::make_forest(180, draw);
+  Searched searched(forest.trees_W, {});
+  int looks = 0;
+  const Deadline deadline{[](void* context) noexcept {
+                            return std::chrono::nanoseconds(++*static_cast<int*>(context));
+                          },
+                          &looks, std::chrono::nanoseconds(3)};
+  const auto scan = tests::scan_forest(forest, {3, 2, -1}, {}, draw);
+  const Candidates& found = searched.search(scan, 1, deadline);
+  EXPECT_EQ(found.end, SearchEnd::Deadline);
+  EXPECT_EQ(found.vertices_searched, 128U);  // two looks of 64 vertices passed
+}
+
+TEST(PaperSearch, IgnoresTheMirrorImage) {
+  Draw draw(13);
+  const Forest forest = tests::make_forest(60, draw);
+  std::vector<Point2> mirrored = tests::scan_forest(forest, {0, 0, 0}, {20, 0.0, 0, 0.0}, draw);
+  for (Point2& p : mirrored) {
+    p.y() = -p.y();
+  }
+  Searched searched(forest.trees_W, {});
+  const Candidates& found = searched.search(mirrored);
+  EXPECT_TRUE(found.list.empty() || found.list[0].matches.size() < 9) << found.list[0].matches.size();
+}
+
+TEST(PaperSearch, TinyAndDegenerateInputsFindNothing) {
+  Draw draw(14);
+  const Forest forest = tests::make_forest(30, draw);
+  Searched searched(forest.trees_W, {});
+  EXPECT_TRUE(searched.search({}).list.empty());
+  EXPECT_TRUE(searched.search({Point2(1, 1)}).list.empty());
+  EXPECT_TRUE(searched.search({Point2(1, 1), Point2(1, 1), Point2(1, 1)}).list.empty());
+  Searched empty_map(std::vector<Point2>{Point2(0, 0)}, {});
+  EXPECT_TRUE(empty_map.search({Point2(1, 1), Point2(2, 5), Point2(7, 3), Point2(4, 4)}).list.empty());
+}
+
+// A wrong pose marked valid is the worst thing: scans of another forest must not be believed.
+TEST(Acceptance, ForeignScansAreRefused) {
+  int accepted = 0;
+  int queries = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Draw draw(1000 + seed);
+    const Forest here = tests::make_forest(180, draw);
+    const Forest elsewhere = tests::make_forest(180, draw);
+    AssociationConfig config;
+    config.order_share = 1.0;
+    Searched searched(here.trees_W, config);
+    for (int i = 0; i < 100; ++i, ++queries) {
+      const auto scan = tests::scan_forest(elsewhere, tests::pose_in(elsewhere, draw), {}, draw);
+      const Candidates& found = searched.search(scan);
+      accepted += judge(found, scan, searched.map_view(), config.tolerance_m, {}).status == FixStatus::Fix ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(accepted, 0) << "of " << queries;
+}
+
+TEST(Acceptance, TrueScansAreAcceptedWithTheirPose) {
+  Draw draw(2000);
+  const Forest forest = tests::make_forest(180, draw);
+  Searched searched(forest.trees_W, {});
+  int accepted = 0;
+  for (int i = 0; i < 50; ++i) {
+    const Pose2 truth = tests::pose_in(forest, draw);
+    const auto scan = tests::scan_forest(forest, truth, {}, draw);
+    const Candidates& found = searched.search(scan);
+    const Verdict verdict = judge(found, scan, searched.map_view(), 0.5, {});
+    if (verdict.status == FixStatus::Fix) {
+      ++accepted;
+      EXPECT_TRUE(tests::is_right(found.list[0].pose_W, truth)) << "query " << i;
+    }
+  }
+  EXPECT_GE(accepted, 45);
+}
+
+TEST(Acceptance, TwoCopiesOfAPlaceAreAmbiguous) {
+  Draw draw(15);
+  Forest forest = tests::make_forest(30, draw);
+  const Forest one = forest;
+  for (const Point2& p : one.trees_W) {
+    forest.trees_W.push_back(p + Point2(200.0, 30.0));
+  }
+  AssociationConfig config;
+  config.order_share = 1.0;
+  Searched searched(forest.trees_W, config);
+  const auto scan = tests::scan_forest(one, {0, 0, 0.4}, {}, draw);
+  const Candidates& found = searched.search(scan);
+  const Verdict verdict = judge(found, scan, searched.map_view(), 0.5, {});
+  EXPECT_EQ(verdict.status, FixStatus::Ambiguous);
+  EXPECT_EQ(verdict.reason, FixReason::Symmetric);
+  AcceptanceConfig paper;
+  paper.rule = AcceptanceRule::Paper;
+  EXPECT_EQ(judge(found, scan, searched.map_view(), 0.5, paper).status, FixStatus::Fix);
+}
+
+// A plantation looks the same one row on.
+TEST(Acceptance, RowsAreAmbiguous) {
+  Draw draw(16);
+  std::vector<Point2> rows;
+  for (int x = 0; x < 20; ++x) {
+    for (int y = 0; y < 20; ++y) {
+      rows.emplace_back(4.0 * x + draw.normal(0.05), 3.0 * y + draw.normal(0.05));
+    }
+  }
+  AssociationConfig config;
+  config.order_share = 1.0;
+  Searched searched(rows, config);
+  const Forest plantation{rows, 0.0};
+  const auto scan = tests::scan_forest(plantation, {40.0, 30.0, 0.2}, {}, draw);
+  EXPECT_EQ(judge(searched.search(scan), scan, searched.map_view(), 0.5, {}).status, FixStatus::Ambiguous);
+}
+
+TEST(Acceptance, ChanceOfAMatchIsTheDensityTimesTheDisc) {
+  Draw draw(17);
+  const Forest forest = tests::make_forest(1000, draw);
+  Searched searched(forest.trees_W, {});
+  std::vector<Point2> anywhere;
+  for (int i = 0; i < 60; ++i) {
+    anywhere.emplace_back(draw.uniform(-100, 100), draw.uniform(-100, 100));
+  }
+  const double expected = 3.14159 * 0.25 / 70.0;
+  EXPECT_NEAR(chance_match({}, anywhere, searched.map_view(), 0.5), expected, 0.15 * expected);
+  EXPECT_EQ(chance_match({1e4, 0, 0}, anywhere, searched.map_view(), 0.5), 0.0);
+  EXPECT_EQ(chance_match({}, {}, searched.map_view(), 0.5), 0.0);
+}
+
+}  // namespace
+}  // namespace slamsensor::core

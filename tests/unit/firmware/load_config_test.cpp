@@ -1,0 +1,143 @@
+#include "firmware/config/load_config.hpp"
+
+#include "firmware/config/list_config.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+namespace slamsensor::firmware {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(LoadConfig, StoresValuesWithUnitsAndOrigin) {
+  const auto loaded = load_config_text(
+      "[detection]\nrange_max_m = 80\n  tilt_min_deg = -18.0\npoint = \"reading_mean\"\n"
+      "[mapping]\npropagate_corrections = true\n",
+      "f.toml");
+  ASSERT_TRUE(loaded) << error_lines(loaded.error());
+  EXPECT_EQ(loaded->config.core.detection.range_max_m, 80.0);
+  EXPECT_DOUBLE_EQ(loaded->config.core.detection.tilt_min_rad, -18.0 * core::kDegree);
+  EXPECT_EQ(loaded->config.core.detection.point, core::LandmarkPoint::ReadingMean);
+  EXPECT_TRUE(loaded->config.core.mapping.propagate_corrections);
+  EXPECT_EQ(loaded->config.core.association.tolerance_m, 0.5);
+  EXPECT_EQ(loaded->origin("detection.tilt_min_deg").file, "f.toml");
+  EXPECT_EQ(loaded->origin("detection.tilt_min_deg").line, 3U);
+  EXPECT_EQ(loaded->origin("detection.tilt_min_deg").column, 18U);
+  EXPECT_TRUE(loaded->origin("detection.tilt_max_deg").is_default());
+}
+
+TEST(LoadConfig, TakesEveryWayOfWritingATable) {
+  const auto loaded = load_config_text(
+      "detection.range_max_m = 80\nassociation = {depth = 3}\ncapacities.map_edges = 200000", "f.toml");
+  ASSERT_TRUE(loaded) << error_lines(loaded.error());
+  EXPECT_EQ(loaded->config.core.detection.range_max_m, 80.0);
+  EXPECT_EQ(loaded->config.core.association.depth, 3U);
+}
+
+TEST(LoadConfig, EmptyFileGivesTheDefaults) {
+  const auto loaded = load_config_text("", "empty.toml");
+  ASSERT_TRUE(loaded);
+  EXPECT_EQ(loaded->config.core.detection.landmarks_max, 30U);
+  EXPECT_FALSE(loaded->config.datum);
+}
+
+TEST(LoadConfig, LaterLayersWinAndKeepTheOriginOfTheRest) {
+  LoadedConfig loaded;
+  EXPECT_TRUE(
+      apply_layer(loaded, "[detection]\nrange_max_m = 80\nlandmarks_max = 20\n", "base.toml").empty());
+  EXPECT_TRUE(apply_layer(loaded, "[detection]\nlandmarks_max = 25\n", "drop-in.toml").empty());
+  EXPECT_TRUE(check_config(loaded).empty());
+  EXPECT_EQ(loaded.config.core.detection.range_max_m, 80.0);
+  EXPECT_EQ(loaded.config.core.detection.landmarks_max, 25U);
+  EXPECT_EQ(loaded.origin("detection.range_max_m").short_text(), "base.toml:2");
+  EXPECT_EQ(loaded.origin("detection.landmarks_max").short_text(), "drop-in.toml:2");
+}
+
+TEST(LoadConfig, ALayerThatBreaksARuleWithAnEarlierOneIsFound) {
+  LoadedConfig loaded;
+  EXPECT_TRUE(apply_layer(loaded, "[detection]\ntilt_max_deg = -10\n", "base.toml").empty());
+  EXPECT_TRUE(apply_layer(loaded, "[detection]\ntilt_min_deg = 5\n", "drop-in.toml").empty());
+  const std::vector<ConfigError> errors = check_config(loaded);
+  ASSERT_EQ(errors.size(), 1U);
+  EXPECT_EQ(errors[0].text(),
+            "drop-in.toml:2:16: detection.tilt_min_deg: value 5.0 is above detection.tilt_max_deg = -10.0 "
+            "(base.toml:2); "
+            "change one of them");
+}
+
+TEST(LoadConfig, DatumIsWholeOrAbsent) {
+  const auto loaded = load_config_text(
+      "[datum]\nlatitude_deg = 47.5\nlongitude_deg = -8\nheight_m = 412.35\nbearing_deg = 12.5\n", "f.toml");
+  ASSERT_TRUE(loaded) << error_lines(loaded.error());
+  ASSERT_TRUE(loaded->config.datum);
+  EXPECT_EQ(loaded->config.datum->latitude_deg, 47.5);
+  EXPECT_EQ(loaded->config.datum->longitude_deg, -8.0);
+  EXPECT_EQ(loaded->config.datum->height_m, 412.35);
+  EXPECT_EQ(loaded->config.datum->bearing_deg, 12.5);
+
+  LoadedConfig changed = *loaded;
+  EXPECT_TRUE(apply_layer(changed, "[datum]\nheight_m = 5.0\n", "drop-in.toml").empty());
+  EXPECT_EQ(changed.config.datum->height_m, 5.0);
+  EXPECT_EQ(changed.config.datum->latitude_deg, 47.5);
+}
+
+TEST(LoadConfig, ReportsEveryMistakeInTheOrderOfTheLines) {
+  const auto loaded = load_config_text(
+      "[nmea]\ntalker = \"XX\"\n[detection]\nrange_max_m = nan\nrnage_min_m = 1\n[asociation]\ndepth = 2\n",
+      "f.toml");
+  ASSERT_FALSE(loaded);
+  ASSERT_EQ(loaded.error().size(), 4U) << error_lines(loaded.error());
+  EXPECT_THAT(loaded.error()[0].text(),
+              HasSubstr("f.toml:2:10: nmea.talker: value \"XX\" is not one of the names"));
+  EXPECT_THAT(loaded.error()[1].text(),
+              HasSubstr("f.toml:4:15: detection.range_max_m: value nan is not a finite"));
+  EXPECT_THAT(loaded.error()[2].text(),
+              HasSubstr("f.toml:5:1: detection.rnage_min_m: unknown key; did you mean "
+                        "detection.range_min_m?"));
+  EXPECT_THAT(loaded.error()[3].text(),
+              HasSubstr("f.toml:6:2: asociation: unknown section; did you mean association?"));
+}
+
+TEST(LoadConfig, AMistakeIsNotReportedTwice) {
+  // The refused tilt_min leaves its default in force; the rule about both must not speak of a value nobody
+  // wrote.
+  const auto loaded = load_config_text("[detection]\ntilt_min_deg = 95\ntilt_max_deg = -89.5\n", "f.toml");
+  ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error().size(), 1U) << error_lines(loaded.error());
+}
+
+TEST(LoadConfig, StopsListingAfterAHundredMistakes) {
+  std::string text = "[detection]\n";
+  for (int i = 0; i < 250; ++i) {
+    text += "nonsense_" + std::to_string(i) + " = 1\n";
+  }
+  const auto loaded = load_config_text(text, "f.toml");
+  ASSERT_FALSE(loaded);
+  ASSERT_EQ(loaded.error().size(), kConfigErrorsMax + 1);
+  EXPECT_EQ(loaded.error().back().text(), "f.toml: 150 more mistakes; correct those above first");
+}
+
+TEST(LoadConfig, SaysWhyAFileCannotBeRead) {
+  const auto absent = load_config("no-such-folder/no-such-file.toml");
+  ASSERT_FALSE(absent);
+  EXPECT_THAT(absent.error()[0].text(),
+              HasSubstr("no-such-folder/no-such-file.toml: cannot be opened: No such file"));
+  const auto folder = load_config(".");
+  ASSERT_FALSE(folder);
+  EXPECT_THAT(folder.error()[0].text(), HasSubstr("is a folder"));
+}
+
+TEST(ListConfig, ShowsEveryKeyWithValueUnitAndOrigin) {
+  const auto loaded = load_config_text("[detection]\nbearing_step_deg = 1\n", "f.toml");
+  ASSERT_TRUE(loaded);
+  const std::string list = list_config(*loaded);
+  EXPECT_THAT(list, testing::ContainsRegex("detection.bearing_step_deg +  *= 1.0 deg +f.toml:2\n"));
+  EXPECT_THAT(list, testing::ContainsRegex("detection.range_max_m +  *= 300.0 m +default\n"));
+  EXPECT_THAT(list, testing::ContainsRegex("datum.latitude_deg +  *= none +default\n"));
+  EXPECT_EQ(static_cast<std::size_t>(std::count(list.begin(), list.end(), '\n')), settings().size());
+}
+
+}  // namespace
+}  // namespace slamsensor::firmware

@@ -1,0 +1,173 @@
+#include "firmware/config/list_config.hpp"
+#include "firmware/config/load_config.hpp"
+#include "firmware/config/suggestion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace slamsensor::firmware {
+
+/// Converts to anything, to count how many members a struct can be initialised from. Not in the unnamed
+/// namespace: clang warns of conversions there that are only looked at.
+struct Anything {
+  template <typename T>
+  operator T() const {  // NOLINT(google-explicit-constructor): that is the point
+    return T();
+  }
+};
+
+namespace {
+
+template <typename T, typename... Members>
+constexpr std::size_t member_count() {
+  if constexpr (requires { T{Members{}..., Anything{}}; }) {
+    return member_count<T, Members..., Anything>();
+  } else {
+    return sizeof...(Members);
+  }
+}
+
+std::size_t settings_in(std::string_view section) {
+  std::size_t count = 0;
+  for (const Setting& setting : settings()) {
+    count += setting.section() == section ? 1U : 0U;
+  }
+  return count;
+}
+
+std::filesystem::path profile(const std::string& name) {
+  return std::filesystem::path(__FILE__).parent_path() / "../../../config" / name;
+}
+
+LoadedConfig loaded_profile(const std::string& name) {
+  const auto loaded = load_config(profile(name));
+  EXPECT_TRUE(loaded) << (loaded ? "" : error_lines(loaded.error()));
+  return loaded.value_or(LoadedConfig{});
+}
+
+TEST(Settings, EveryMemberOfEveryConfigStructHasARow) {
+  EXPECT_EQ(settings_in("mount"), member_count<core::MountConfig>());
+  EXPECT_EQ(settings_in("detection"), member_count<core::DetectionConfig>());
+  EXPECT_EQ(settings_in("association"), member_count<core::AssociationConfig>());
+  EXPECT_EQ(settings_in("acceptance"), member_count<core::AcceptanceConfig>());
+  EXPECT_EQ(settings_in("mapping"), member_count<core::MappingConfig>());
+  EXPECT_EQ(settings_in("capacities"), member_count<core::Capacities>());
+  EXPECT_EQ(settings_in("point_cloud"), member_count<PointCloudConfig>());
+  EXPECT_EQ(settings_in("landmark_list"), member_count<LandmarkListConfig>());
+  EXPECT_EQ(settings_in("nmea"), member_count<NmeaConfig>());
+  EXPECT_EQ(settings_in("datum"), member_count<Datum>());
+  // A section for each member of the core struct, and for each that stands beside it.
+  EXPECT_EQ(sections().size(), member_count<core::Config>() + member_count<Config>() - 1);
+}
+
+TEST(Settings, PathsAreUniqueDescribedAndOfAKnownSection) {
+  std::set<std::string_view> paths;
+  for (const Setting& setting : settings()) {
+    EXPECT_TRUE(paths.insert(setting.path).second) << setting.path;
+    EXPECT_NE(find_section(setting.section()), nullptr) << setting.path;
+    EXPECT_FALSE(setting.description.empty()) << setting.path;
+    const bool is_angle = setting.path.ends_with("_deg");
+    EXPECT_EQ(is_angle, setting.unit == "deg") << setting.path;
+    EXPECT_EQ(setting.path.ends_with("_m"), setting.unit == "m") << setting.path;
+  }
+}
+
+TEST(Settings, EveryDefaultPassesItsOwnRange) {
+  const auto loaded = load_config_text(default_config_text(), "generated");
+  ASSERT_TRUE(loaded) << error_lines(loaded.error());
+}
+
+TEST(Settings, DefaultFileIsGeneratedFromTheTable) {
+  std::ifstream stream(profile("slamsensor.toml"));
+  std::ostringstream text;
+  text << stream.rdbuf();
+  EXPECT_EQ(text.str(), default_config_text()) << "config/slamsensor.toml is not what the table generates";
+}
+
+TEST(Settings, DefaultFileGivesTheVeryDefaults) {
+  const LoadedConfig loaded = loaded_profile("slamsensor.toml");
+  const Config defaults;
+  for (const Setting& setting : settings()) {
+    EXPECT_EQ(value_text(setting, loaded.config), value_text(setting, defaults)) << setting.path;
+    const bool optional = find_section(setting.section())->optional;
+    EXPECT_EQ(loaded.origin(setting.path).is_default(), optional) << setting.path;
+  }
+  EXPECT_EQ(loaded.config.core.detection.bearing_step_rad, defaults.core.detection.bearing_step_rad);
+  EXPECT_EQ(loaded.config.core.detection.tilt_min_rad, defaults.core.detection.tilt_min_rad);
+  EXPECT_FALSE(loaded.config.datum.has_value());
+}
+
+TEST(Settings, RealsAreWrittenShortAndReadBackTheSame) {
+  EXPECT_EQ(real_text(300.0), "300.0");
+  EXPECT_EQ(real_text(0.514), "0.514");
+  EXPECT_EQ(real_text(1e-12), "1e-12");
+  EXPECT_EQ(real_text(-0.1), "-0.1");
+  EXPECT_EQ(real_text(0.0), "0.0");
+  EXPECT_EQ(std::stod(real_text(0.1 + 0.2)), 0.1 + 0.2);
+}
+
+struct Experiment {
+  const char* file;
+  double tolerance_m;
+  std::uint32_t landmarks_max;
+  double tilt_min_deg;
+  double tilt_max_deg;
+};
+
+class PaperProfile : public testing::TestWithParam<Experiment> {};
+
+TEST_P(PaperProfile, HasThePapersValues) {
+  const core::Config config = loaded_profile(GetParam().file).config.core;
+  EXPECT_EQ(config.detection.range_max_m, 300.0);
+  EXPECT_EQ(config.detection.range_step_m, 0.5);
+  EXPECT_DOUBLE_EQ(config.detection.bearing_step_rad, 0.514 * core::kDegree);
+  EXPECT_EQ(config.detection.landmarks_max, GetParam().landmarks_max);
+  EXPECT_EQ(config.detection.discard_share, 0.02);
+  EXPECT_EQ(config.detection.point, core::LandmarkPoint::HullCentroid);
+  EXPECT_DOUBLE_EQ(config.detection.tilt_min_rad, GetParam().tilt_min_deg * core::kDegree);
+  EXPECT_DOUBLE_EQ(config.detection.tilt_max_rad, GetParam().tilt_max_deg * core::kDegree);
+  EXPECT_EQ(config.association.tolerance_m, GetParam().tolerance_m);
+  EXPECT_EQ(config.association.order_share, 0.125);
+  EXPECT_EQ(config.association.fit, core::PoseFit::LeastSquares);
+  EXPECT_FALSE(config.association.exhaust_when_unsure);
+  EXPECT_EQ(config.mapping.prune_share, 0.0);
+  EXPECT_EQ(config.acceptance.rule, core::AcceptanceRule::Paper);
+  EXPECT_EQ(config.mapping.hypotheses_max, 3U);
+  EXPECT_EQ(config.mapping.update, core::LandmarkUpdate::Paper);
+}
+
+INSTANTIATE_TEST_SUITE_P(Paper, PaperProfile,
+                         testing::Values(Experiment{"experiment-1.toml", 0.5, 30, -18.0, 7.71},
+                                         Experiment{"experiment-2.toml", 1.0, 30, -18.0, 7.71},
+                                         Experiment{"experiment-3.toml", 1.5, 20, -17.5, 8.23},
+                                         Experiment{"experiment-4.toml", 1.5, 20, -17.5, 8.23}));
+
+TEST(Profiles, EveryFileOfTheFolderLoads) {
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(profile(""))) {
+    if (entry.path().extension() == ".toml") {
+      loaded_profile(entry.path().filename().string());
+      ++files;
+    }
+  }
+  EXPECT_GE(files, 9);
+}
+
+TEST(Suggestions, CountEditsAndNameTheNearest) {
+  EXPECT_EQ(edit_distance("", "abc"), 3U);
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3U);
+  EXPECT_EQ(edit_distance("rnage", "range"), 1U);
+  EXPECT_EQ(suggest_section("detecton"), "detection");
+  EXPECT_EQ(suggest_section("weather_forecast"), "");
+  EXPECT_EQ(suggest_key("detection.tilt_min"), "detection.tilt_min_deg");
+  EXPECT_EQ(suggest_key("detection.tolerance_m"), "association.tolerance_m");
+  EXPECT_EQ(suggest_key("detection.colour_of_paint"), "");
+  EXPECT_EQ(suggest_key("detection." + std::string(5000, 'x')), "");
+}
+
+}  // namespace
+}  // namespace slamsensor::firmware

@@ -1,0 +1,79 @@
+#include "tools/input/csv.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+
+namespace slamsensor::tools {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr std::array<CsvColumn, 3> kColumns{{{"a"}, {"b"}, {"c", CsvNeed::Optional}}};
+
+std::string open_error(std::string_view text, CsvOthers others = CsvOthers::Refused) {
+  const auto csv = CsvReader::open(text, "f.csv", kColumns, others);
+  return csv ? "" : csv.error().message;
+}
+
+TEST(Csv, FindsColumnsByNameInAnyOrder) {
+  auto csv = CsvReader::open("\xEF\xBB\xBF# note\r\n b , a\r\n\r\n2,1\r\n# between\r\n4 , 3", "f.csv",
+                             kColumns, CsvOthers::Refused);
+  ASSERT_TRUE(csv);
+  EXPECT_FALSE(csv->has(2));
+  ASSERT_TRUE(csv->next().value());
+  EXPECT_EQ(csv->text(0), "1");
+  EXPECT_EQ(csv->text(1), "2");
+  ASSERT_TRUE(csv->next().value());
+  EXPECT_EQ(csv->number(0, {0, 10, "m"}).value(), 3.0);
+  EXPECT_EQ(csv->line(), 6U);
+  EXPECT_FALSE(csv->next().value());
+}
+
+TEST(Csv, SaysWhatIsWrongWithAHeader) {
+  EXPECT_THAT(open_error(""), AllOf(HasSubstr("f.csv"), HasSubstr("empty"), HasSubstr("a,b,c (optional)")));
+  EXPECT_THAT(open_error("a,c\n"), AllOf(HasSubstr("f.csv:1"), HasSubstr("no column b")));
+  EXPECT_THAT(open_error("#\na,b,a\n"), AllOf(HasSubstr("f.csv:2"), HasSubstr("'a' twice")));
+  EXPECT_THAT(open_error("a,b,range\n"), AllOf(HasSubstr("'range' is not known"), HasSubstr("a,b,c")));
+  EXPECT_EQ(open_error("a,b,range\n", CsvOthers::Ignored), "");
+}
+
+TEST(Csv, RefusesRowsOfAnotherWidth) {
+  auto csv = CsvReader::open("a,b\n1,2,3\n1\n", "f.csv", kColumns, CsvOthers::Refused);
+  ASSERT_TRUE(csv);
+  EXPECT_THAT(csv->next().error().message,
+              AllOf(HasSubstr("f.csv:2"), HasSubstr("3 fields"), HasSubstr("has 2")));
+  EXPECT_THAT(csv->next().error().message, HasSubstr("f.csv:3"));
+}
+
+TEST(Csv, RefusesWhatIsNoNumberInRange) {
+  for (const char* value :
+       {"", "nan", "inf", "-inf", "1x", "0x1", "1 2", "10.5", "-0.5", "1e400", "\x01\xFF"}) {
+    const std::string text = std::string("a,b\n") + value + ",0\n";
+    auto csv = CsvReader::open(text, "f.csv", kColumns, CsvOthers::Refused);
+    ASSERT_TRUE(csv && csv->next().value());
+    const auto number = csv->number(0, {0.0, 10.0, "m"});
+    ASSERT_FALSE(number) << value;
+    EXPECT_THAT(number.error().message, AllOf(HasSubstr("f.csv:2: a is '"), HasSubstr("from 0 to 10 m")));
+  }
+}
+
+TEST(Csv, RefusesWhatIsNoWholeNumberInRange) {
+  for (const char* value : {"", "-1", "1.0", "11", "99999999999999999999"}) {
+    const std::string text = std::string("a,b\n") + value + ",0\n";
+    auto csv = CsvReader::open(text, "f.csv", kColumns, CsvOthers::Refused);
+    ASSERT_TRUE(csv && csv->next().value());
+    EXPECT_FALSE(csv->whole_number(0, 10)) << value;
+  }
+}
+
+TEST(Csv, MessagesShowNoControlBytesAndNoEndlessValues) {
+  EXPECT_EQ(in_quotes("a\x1b[2J\xC3"), "'a?[2J?'");
+  EXPECT_EQ(in_quotes(std::string(1000, 'z')), "'" + std::string(40, 'z') + "...'");
+}
+
+}  // namespace
+}  // namespace slamsensor::tools

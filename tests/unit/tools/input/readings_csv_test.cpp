@@ -1,0 +1,64 @@
+#include "tools/input/readings_csv.hpp"
+
+#include "core/config.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace slamsensor::tools {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string error_of(std::string_view text) {
+  const auto scanlines = parse_readings_csv(text, "r.csv");
+  return scanlines ? "" : scanlines.error().message;
+}
+
+TEST(ReadingsCsv, RowsThatShareATiltAsWrittenAreAScanline) {
+  const auto scanlines =
+      parse_readings_csv("pan_deg,tilt_deg,range_m\n10,0,5\n20,0,\n30,0.0,7\n20,1,8\n10,0,9\n", "r.csv");
+  ASSERT_TRUE(scanlines);
+  ASSERT_EQ(scanlines->size(), 4U);
+  ASSERT_EQ(scanlines->at(0).size(), 2U);
+  EXPECT_DOUBLE_EQ(scanlines->at(0)[0].pan_rad, 10 * core::kDegree);
+  EXPECT_EQ(scanlines->at(0)[0].range_m, 5.0);
+  EXPECT_FALSE(scanlines->at(0)[1].has_return());
+  EXPECT_EQ(scanlines->at(1)[0].range_m, 7.0);
+  EXPECT_DOUBLE_EQ(scanlines->at(2)[0].tilt_rad, core::kDegree);
+  EXPECT_EQ(scanlines->at(3)[0].range_m, 9.0);
+}
+
+TEST(ReadingsCsv, UnderstandsOtherOrdersOfColumnsMarkAndLineEnds) {
+  const auto scanlines = parse_readings_csv(
+      "\xEF\xBB\xBFrange_m,pan_deg,tilt_deg\r\n# c\r\n,-180,-30\r\n0,360,-30\r\n", "r.csv");
+  ASSERT_TRUE(scanlines);
+  ASSERT_EQ(scanlines->size(), 1U);
+  EXPECT_FALSE(scanlines->at(0)[0].has_return());
+  EXPECT_TRUE(scanlines->at(0)[1].has_return());
+  EXPECT_DOUBLE_EQ(scanlines->at(0)[1].pan_rad, 360 * core::kDegree);
+}
+
+TEST(ReadingsCsv, SaysLineValueAndWhatIsAllowed) {
+  const std::string head = "pan_deg,tilt_deg,range_m\n";
+  EXPECT_THAT(error_of(""), HasSubstr("empty"));
+  EXPECT_THAT(error_of(head), HasSubstr("holds no reading"));
+  EXPECT_THAT(error_of(head + "0,0,-1\n"), AllOf(HasSubstr("r.csv:2"), HasSubstr("range_m is '-1'"),
+                                                 HasSubstr("nothing when nothing came back")));
+  EXPECT_THAT(error_of(head + "0,0,nan\n"), HasSubstr("'nan'"));
+  EXPECT_THAT(error_of(head + "0,0,inf\n"), HasSubstr("'inf'"));
+  EXPECT_THAT(error_of(head + "0,0,65535\n"), HasSubstr("10000 m"));
+  EXPECT_THAT(error_of(head + "361,0,1\n"), HasSubstr("-360 to 360 deg"));
+  EXPECT_THAT(error_of(head + "0,91,1\n"), HasSubstr("-90 to 90 deg"));
+  EXPECT_THAT(error_of(head + ",0,1\n"), HasSubstr("pan_deg is ''"));
+  EXPECT_THAT(error_of(head + "0,0,1;\n"), HasSubstr("'1;'"));
+  EXPECT_THAT(error_of(head + "0,0,1\n0,0\n"), AllOf(HasSubstr("r.csv:3"), HasSubstr("2 fields")));
+  EXPECT_THAT(error_of("pan_deg,tilt_deg,range_m,intensity\n"), HasSubstr("'intensity' is not known"));
+  EXPECT_THAT(error_of("pan_deg,range_m\n"), HasSubstr("no column tilt_deg"));
+}
+
+}  // namespace
+}  // namespace slamsensor::tools

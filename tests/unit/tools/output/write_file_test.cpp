@@ -1,0 +1,93 @@
+#include "tools/output/write_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace slamsensor::tools {
+namespace {
+
+using testing::HasSubstr;
+
+class WriteFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = testing::TempDir() + "write_file_XXXXXX";
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override {
+    ::chmod(folder_.c_str(), 0700);
+    std::filesystem::remove_all(folder_);
+  }
+
+  static std::string content(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  std::ptrdiff_t entries() const {
+    return std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator());
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(WriteFile, WritesAndReplaces) {
+  const auto path = folder_ / "a.csv";
+  const std::string bytes("1\0\n\xFF", 4);
+  ASSERT_TRUE(write_file(path, "old and longer"));
+  ASSERT_TRUE(write_file(path, bytes));
+  EXPECT_EQ(content(path), bytes);
+  EXPECT_EQ(entries(), 1) << "no temporary file is left";
+}
+
+TEST_F(WriteFile, TakesTheLongestNameAFileCanHave) {
+  const auto path = folder_ / std::string(255, 'n');
+  ASSERT_TRUE(write_file(path, "x"));
+  EXPECT_EQ(content(path), "x");
+}
+
+TEST_F(WriteFile, FollowsASymbolicLink) {
+  ASSERT_TRUE(write_file(folder_ / "target", "old"));
+  std::filesystem::create_symlink("target", folder_ / "link");
+  ASSERT_TRUE(write_file(folder_ / "link", "new"));
+  EXPECT_EQ(content(folder_ / "target"), "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link"));
+}
+
+TEST_F(WriteFile, MissingFolderIsNamedWithAdvice) {
+  const auto result = write_file(folder_ / "none" / "a.csv", "x");
+  ASSERT_FALSE(result);
+  EXPECT_THAT(result.error().message, HasSubstr("none/a.csv: No such file or directory; create the folder"));
+}
+
+TEST_F(WriteFile, AFolderIsRefused) {
+  const auto result = write_file(folder_, "x");
+  ASSERT_FALSE(result);
+  EXPECT_THAT(result.error().message, HasSubstr("name a file, not a folder"));
+}
+
+TEST_F(WriteFile, FullDeviceIsAnError) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  const auto result = write_file("/dev/full", "x");
+  ASSERT_FALSE(result);
+  EXPECT_THAT(result.error().message, HasSubstr("/dev/full: No space left on device; free some space"));
+}
+
+TEST_F(WriteFile, UnwritableFolderIsAnErrorAndTheOldFileStays) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  const auto path = folder_ / "a.csv";
+  ASSERT_TRUE(write_file(path, "old"));
+  ::chmod(folder_.c_str(), 0500);
+  const auto result = write_file(path, "new");
+  ASSERT_FALSE(result);
+  EXPECT_THAT(result.error().message, HasSubstr("make the folder writable"));
+  EXPECT_EQ(content(path), "old");
+}
+
+}  // namespace
+}  // namespace slamsensor::tools

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "firmware/config/load_config.hpp"
+#include "tools/commands/command.hpp"
+
+namespace slamsensor::tools {
+
+/// The configuration of a verb: defaults < --config FILE < --set KEY=VALUE.
+struct ConfigOptions {
+  std::string file;
+  std::vector<std::string> settings;
+
+  /// Adds --config and --set to a verb.
+  void add_to(CLI::App& verb);
+};
+
+/// The configuration in force, or every mistake in it, one line each (EX_CONFIG).
+[[nodiscard]] tl::expected<firmware::LoadedConfig, CommandError> load(const ConfigOptions& options);
+
+}  // namespace slamsensor::tools

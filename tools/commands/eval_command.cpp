@@ -1,0 +1,56 @@
+#include <cstdio>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "core/config.hpp"
+#include "tools/commands/command.hpp"
+#include "tools/eval/evaluation_report.hpp"
+#include "tools/input/tum.hpp"
+
+namespace slamsensor::tools {
+namespace {
+
+struct Options {
+  std::string truth;
+  std::string trajectory;
+  bool json = false;
+  double wrong_m = 1.0;
+  double wrong_deg = 2.0;
+};
+
+CommandResult run(const Options& options) {
+  const auto truth = read_tum(options.truth);
+  const auto trajectory = truth ? read_tum(options.trajectory) : truth;
+  if (!trajectory) {
+    return tl::unexpected(CommandError{trajectory.error().message + '\n', EX_DATAERR});
+  }
+  EvaluationConfig config;
+  config.wrong_distance_m = options.wrong_m;
+  config.wrong_heading_rad = options.wrong_deg * core::kDegree;
+  const auto evaluation = evaluate(*truth, *trajectory, config);
+  if (!evaluation) {
+    return tl::unexpected(CommandError{evaluation.error().message + '\n', EX_DATAERR});
+  }
+  std::fputs((options.json ? evaluation_json(*evaluation) : evaluation_text(*evaluation)).c_str(), stdout);
+  return EX_OK;
+}
+
+}  // namespace
+
+void add_eval(CLI::App& app, CommandResult& result) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("eval", "compare a trajectory with the truth: fixes, wrong fixes, errors");
+  verb->add_option("--truth", options->truth, "true poses")->required()->type_name("T.tum");
+  verb->add_flag("--json", options->json, "print one JSON object");
+  verb->add_option("--wrong-distance", options->wrong_m, "a fix farther off than this is wrong, m")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--wrong-heading", options->wrong_deg, "a fix turned by more than this is wrong, deg")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  verb->add_option("TRAJECTORY", options->trajectory, "trajectory.tum of a replay")->required()->type_name("F.tum");
+  verb->callback([options, &result] { result = run(*options); });
+}
+
+}  // namespace slamsensor::tools

@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "core/fix_names.hpp"
+#include "core/localizer.hpp"
+#include "tools/commands/command.hpp"
+#include "tools/commands/config_options.hpp"
+#include "tools/commands/progress_bar.hpp"
+#include "tools/input/map_csv.hpp"
+#include "tools/input/scan_source.hpp"
+#include "tools/output/write_file.hpp"
+
+namespace slamsensor::tools {
+namespace {
+
+struct Options {
+  ConfigOptions config;
+  std::filesystem::path map;
+  std::filesystem::path scans;
+  std::filesystem::path out;
+  std::string search = "paper";
+};
+
+struct Query {
+  std::int64_t scan = 0;
+  core::Fix fix;
+  double milliseconds = 0.0;
+};
+
+/// A localizer in a block of its own size.
+class Located {
+ public:
+  explicit Located(const core::Config& config) {
+    core::Arena measuring;
+    (void)std::make_unique<core::Localizer>(measuring, config);
+    block_.resize(measuring.bytes_used() / sizeof(Line) + 1);
+    core::Arena arena(std::as_writable_bytes(std::span(block_)));
+    localizer_ = std::make_unique<core::Localizer>(arena, config);
+  }
+  core::Localizer* operator->() { return localizer_.get(); }
+
+ private:
+  struct alignas(core::Arena::kAlignment) Line {
+    std::byte bytes[core::Arena::kAlignment];
+  };
+  std::vector<Line> block_;
+  std::unique_ptr<core::Localizer> localizer_;
+};
+
+/// The configuration with room for the whole map: it is known before anything is taken.
+core::Config with_room_for(core::Config config, std::size_t landmarks) {
+  const auto count = static_cast<std::uint32_t>(std::max<std::size_t>(landmarks, 1));
+  const double edges_each = static_cast<double>(config.capacities.map_edges) / config.capacities.map_landmarks;
+  config.capacities.map_landmarks = count;
+  config.capacities.map_edges = static_cast<std::uint32_t>(edges_each * count) + 64;
+  return config;
+}
+
+std::string poses_csv(const std::vector<Query>& queries) {
+  std::string csv = "scan,status,x_m,y_m,heading_rad,matches,expected_false_alarms,milliseconds\n";
+  std::array<char, 256> line{};
+  for (const Query& q : queries) {
+    const std::string_view status = core::to_string(q.fix.status);
+    std::snprintf(line.data(), line.size(), "%lld,%.*s,", static_cast<long long>(q.scan),
+                  static_cast<int>(status.size()), status.data());
+    csv += line.data();
+    if (q.fix.status == core::FixStatus::NoFix) {
+      csv += ",,";
+    } else {
+      std::snprintf(line.data(), line.size(), "%.6f,%.6f,%.9f", q.fix.pose_W.x_m, q.fix.pose_W.y_m,
+                    q.fix.pose_W.heading_rad);
+      csv += line.data();
+    }
+    std::snprintf(line.data(), line.size(), ",%u,%.3g,%.4f\n", q.fix.matches, q.fix.expected_false_alarms,
+                  q.milliseconds);
+    csv += line.data();
+  }
+  return csv;
+}
+
+void print_summary(const std::vector<Query>& queries, std::size_t map_landmarks) {
+  std::vector<double> times;
+  std::array<std::size_t, 3> by_status{};
+  for (const Query& q : queries) {
+    times.push_back(q.milliseconds);
+    ++by_status[static_cast<std::size_t>(q.fix.status)];
+  }
+  std::sort(times.begin(), times.end());
+  const auto at = [&](double share) {
+    return times.empty() ? 0.0 : times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
+  };
+  std::printf("map        %zu landmarks\nqueries    %zu: %zu fixes, %zu ambiguous, %zu no fix\n", map_landmarks,
+              queries.size(), by_status[2], by_status[1], by_status[0]);
+  std::printf("time       median %.3f ms, 99 %% %.3f ms, worst %.3f ms\n", at(0.5), at(0.99), at(1.0));
+}
+
+CommandResult run(const Options& options) {
+  const auto loaded = load(options.config);
+  if (!loaded) {
+    return tl::unexpected(loaded.error());
+  }
+  const auto map = read_map_csv(options.map);
+  if (!map) {
+    return tl::unexpected(CommandError{map.error().message + '\n', EX_DATAERR});
+  }
+  const std::array<std::filesystem::path, 1> inputs{options.scans};
+  auto source = open_scans(inputs, loaded->config);
+  if (!source) {
+    return tl::unexpected(CommandError{source.error().message + '\n', EX_DATAERR});
+  }
+  std::vector<core::Point2> map_W;
+  std::transform(map->begin(), map->end(), std::back_inserter(map_W), [](const MapPoint& p) { return p.position_W; });
+  Located localizer(with_room_for(loaded->config.core, map_W.size()));
+  if (!localizer->set_map(map_W)) {
+    return tl::unexpected(CommandError{options.map.string() + ": a landmark is out of reach\n", EX_DATAERR});
+  }
+  std::vector<Query> queries;
+  ProgressBar bar("locate");
+  for (;;) {
+    const auto scan = (*source)->next();
+    if (!scan || (*scan && !(*scan)->is_landmark_list)) {
+      return tl::unexpected(CommandError{(scan ? options.scans.string() + ": locate takes a landmark list (scan,x_m,y_m)"
+                                               : scan.error().message) + '\n',
+                                         EX_DATAERR});
+    }
+    if (!*scan) {
+      break;
+    }
+    std::vector<core::Point2> scan_L;
+    for (const core::ScanLandmark& l : (*scan)->landmarks) {
+      scan_L.push_back(l.position_L);
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    const core::Fix fix = localizer->locate(scan_L, {});
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
+    queries.push_back({(*scan)->number, fix, took.count()});
+    bar.update(queries.size(), (*source)->count());
+  }
+  const auto written = write_file(options.out, poses_csv(queries));
+  if (!written) {
+    return tl::unexpected(CommandError{written.error().message + '\n', EX_CANTCREAT});
+  }
+  print_summary(queries, map_W.size());
+  return EX_OK;
+}
+
+}  // namespace
+
+void add_locate(CLI::App& app, CommandResult& result) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("locate", "find many independent scans in one frozen map");
+  options->config.add_to(*verb);
+  verb->add_option("--map", options->map, "the map: id,x_m,y_m")->required()->type_name("map.csv");
+  verb->add_option("--scans", options->scans, "the scans: scan,x_m,y_m[,diameter_m[,weight]]")
+      ->required()
+      ->type_name("scans.csv");
+  verb->add_option("--out", options->out, "the poses, a line per scan")->required()->type_name("poses.csv");
+  verb->add_option("--search", options->search, "how to search")
+      ->check(CLI::IsMember({"paper"}))
+      ->capture_default_str();
+  verb->callback([options, &result] { result = run(*options); });
+}
+
+}  // namespace slamsensor::tools

@@ -1,0 +1,82 @@
+#pragma once
+
+#include "core/geometry/pose2.hpp"
+#include "tools/eval/timed_pose.hpp"
+
+#include <tl/expected.hpp>
+
+#include <array>
+#include <cstddef>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace slamsensor::tools {
+
+/// When a fix is wrong, and how it finds its true pose.
+struct EvaluationConfig {
+  double wrong_distance_m = 1.0;                            ///< a fix farther off than this is wrong
+  double wrong_heading_rad = 2.0 * std::numbers::pi / 180;  ///< a fix turned by more than this is wrong
+  double time_tolerance_s =
+      1e-6;  ///< a fix belongs to the nearest true pose if their times differ by no more
+};
+
+/// What one fix is off by, under some alignment.
+struct FixError {
+  double t = 0.0;               ///< of the fix
+  std::size_t truth_index = 0;  ///< rank of its true pose in time, from 0
+  double distance_m = 0.0;
+  double heading_rad = 0.0;  ///< signed, [-pi, pi)
+  bool is_wrong = false;
+};
+
+/// Error of the fixes whose true pose lies in one tenth of the truth.
+struct TenthError {
+  std::size_t fixes = 0;
+  double rms_m = 0.0;  ///< 0 without fixes
+  double max_m = 0.0;
+};
+
+/// The errors of all fixes that have a true pose, under one alignment. ATE is the absolute trajectory error,
+/// the distance of a fix from its true position.
+struct AlignedErrors {
+  core::Pose2 T_truth_map;  ///< takes the trajectory into the frame of the truth
+  std::size_t wrong_fixes = 0;
+  double ate_rms_m = 0.0;
+  double ate_median_m = 0.0;
+  double ate_max_m = 0.0;
+  double heading_rms_rad = 0.0;
+  double heading_max_rad = 0.0;  ///< without sign
+  FixError worst;                ///< the fix with the largest distance, the first if there are several
+  std::array<TenthError, 10> tenths{};
+  std::vector<FixError> fixes;  ///< in the order of the trajectory
+};
+
+/// How good a trajectory is.
+struct Evaluation {
+  EvaluationConfig config;
+  std::size_t scans_in_truth = 0;
+  std::size_t fixes = 0;
+  std::size_t fixes_without_truth = 0;     ///< in no count and no error below
+  std::size_t scans_without_fix = 0;       ///< true poses that no fix belongs to
+  std::optional<AlignedErrors> first_fix;  ///< official: the first fix with a true pose defines the map frame
+  std::optional<AlignedErrors>
+      least_squares;  ///< smallest ATE rms of all rigid motions; both absent without such a fix
+};
+
+/// Why two trajectories cannot be compared, in one line.
+struct EvaluationError {
+  std::string message;
+};
+
+/// Compares `trajectory` (a pose per fix, in the order they were made) with `truth` (any order). The
+/// least-squares alignment is Umeyama's without scale; where the positions do not determine the rotation (one
+/// place only) the headings do. Refused: two poses of one file with the same time, a value that is not
+/// finite, a negative limit.
+[[nodiscard]] tl::expected<Evaluation, EvaluationError> evaluate(std::span<const TimedPose> truth,
+                                                                 std::span<const TimedPose> trajectory,
+                                                                 const EvaluationConfig& config = {});
+
+}  // namespace slamsensor::tools

@@ -1,0 +1,35 @@
+#include "tools/input/input_error.hpp"
+
+#include <array>
+#include <charconv>
+
+namespace slamsensor::tools {
+
+tl::unexpected<InputError> refuse(std::string_view name, std::string_view what) {
+  std::string message(name);
+  message.append(": ").append(what);
+  return tl::unexpected<InputError>(InputError{std::move(message)});
+}
+
+tl::unexpected<InputError> refuse_line(std::string_view name, std::size_t line, std::string_view what) {
+  return refuse(std::string(name) + ":" + std::to_string(line), what);
+}
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t kShownMax = 40;
+  std::string result = "'";
+  for (const char c : text.substr(0, kShownMax)) {
+    result += (c >= ' ' && c <= '~') ? c : '?';
+  }
+  result += text.size() > kShownMax ? "...'" : "'";
+  return result;
+}
+
+std::string shown(double value) {
+  std::array<char, 32> digits{};
+  const auto end =
+      std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::general, 6);
+  return std::string(digits.data(), end.ptr);
+}
+
+}  // namespace slamsensor::tools

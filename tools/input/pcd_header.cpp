@@ -1,0 +1,286 @@
+#include "tools/input/pcd_header.hpp"
+
+#include "tools/input/text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace slamsensor::tools {
+namespace {
+
+enum Key : std::size_t {
+  kVersion,
+  kFields,
+  kSize,
+  kType,
+  kCount,
+  kWidth,
+  kHeight,
+  kViewpoint,
+  kPoints,
+  kData
+};
+constexpr std::array<std::string_view, 10> kKeys{"VERSION", "FIELDS", "SIZE",      "TYPE",   "COUNT",
+                                                 "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
+
+struct Entry {
+  std::vector<std::string_view> words;
+  std::size_t line = 0;  // 0: the key has not come
+};
+
+struct Entries {
+  std::array<Entry, kKeys.size()> of_key;
+  std::size_t end_bytes = 0;
+  std::size_t last_line = 0;
+};
+
+using Status = tl::expected<void, InputError>;
+
+std::optional<std::size_t> key_of(std::string_view word) {
+  if (word == "COLUMNS") {  // what version 0.5 called FIELDS
+    return kFields;
+  }
+  const auto found = std::find(kKeys.begin(), kKeys.end(), word);
+  return found == kKeys.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - kKeys.begin()));
+}
+
+Status take_entry(const LineReader& lines, std::string_view name, Entries& entries) {
+  std::string_view rest = lines.line();
+  const std::string_view word = take_word(rest);
+  const std::optional<std::size_t> key = key_of(word);
+  if (!key) {
+    return refuse_line(name, lines.number(),
+                       in_quotes(word) + " is not a key of a PCD header; is this a PCD file?");
+  }
+  Entry& entry = entries.of_key[*key];
+  if (entry.line != 0) {
+    return refuse_line(
+        name, lines.number(),
+        std::string(kKeys[*key]) + " is already in line " + std::to_string(entry.line) + "; remove one");
+  }
+  entry.line = lines.number();
+  for (std::string_view value = take_word(rest); !value.empty(); value = take_word(rest)) {
+    if (entry.words.size() == kPcdFieldsMax) {
+      return refuse_line(name, entry.line,
+                         "has more than " + std::to_string(kPcdFieldsMax) + " values; leave fields out");
+    }
+    entry.words.push_back(value);
+  }
+  return {};
+}
+
+tl::expected<Entries, InputError> read_entries(std::string_view bytes, std::string_view name) {
+  Entries entries;
+  LineReader lines(bytes.substr(0, kPcdHeaderBytesMax));
+  while (lines.next() && (lines.ended() || lines.consumed_bytes() == bytes.size())) {
+    if (auto taken = take_entry(lines, name, entries); !taken) {
+      return tl::unexpected(std::move(taken.error()));
+    }
+    entries.end_bytes = lines.consumed_bytes();
+    entries.last_line = lines.number();
+    if (entries.of_key[kData].line != 0) {
+      return entries;
+    }
+  }
+  return refuse(name, "no DATA line in its first " +
+                          std::to_string(std::min(bytes.size(), kPcdHeaderBytesMax)) +
+                          " bytes; is this a PCD file, and is it complete?");
+}
+
+Status check_present(const Entries& entries, std::string_view name) {
+  for (const Key key : {kFields, kSize, kType, kWidth, kHeight, kPoints}) {
+    if (entries.of_key[key].line == 0) {
+      return refuse(name, "the header has no " + std::string(kKeys[key]) + " line; add it before DATA");
+    }
+  }
+  return {};
+}
+
+// The one whole number of an entry, from `min` to `max`.
+tl::expected<std::uint64_t, InputError> bounded(std::string_view word, const Entry& entry, Key key,
+                                                std::string_view name, std::uint64_t min, std::uint64_t max) {
+  const std::optional<std::int64_t> value = parse_integer(word);
+  if (!value || *value < 0 || static_cast<std::uint64_t>(*value) < min ||
+      static_cast<std::uint64_t>(*value) > max) {
+    return refuse_line(name, entry.line,
+                       std::string(kKeys[key]) + " is " + in_quotes(word) +
+                           "; allowed is a whole number from " + std::to_string(min) + " to " +
+                           std::to_string(max));
+  }
+  return static_cast<std::uint64_t>(*value);
+}
+
+tl::expected<std::uint64_t, InputError> single(const Entries& entries, Key key, std::string_view name) {
+  const Entry& entry = entries.of_key[key];
+  if (entry.words.size() != 1) {
+    return refuse_line(
+        name, entry.line,
+        std::string(kKeys[key]) + " has " + std::to_string(entry.words.size()) + " values; it must have one");
+  }
+  return bounded(entry.words.front(), entry, key, name, 1, kPcdPointsMax);
+}
+
+tl::expected<PcdType, InputError> parse_type(std::string_view word, std::size_t size_bytes, std::size_t line,
+                                             std::string_view name) {
+  const bool whole_size = size_bytes == 1 || size_bytes == 2 || size_bytes == 4 || size_bytes == 8;
+  if (word == "F" && (size_bytes == 4 || size_bytes == 8)) {
+    return PcdType::Float;
+  }
+  if (word == "I" && whole_size) {
+    return PcdType::Signed;
+  }
+  if (word == "U" && whole_size) {
+    return PcdType::Unsigned;
+  }
+  return refuse_line(name, line,
+                     "type " + in_quotes(word) + " of size " + std::to_string(size_bytes) +
+                         " does not exist; there are F of 4 and 8 bytes, I and U of 1, 2, 4 and 8");
+}
+
+tl::expected<PcdField, InputError> parse_field(const Entries& entries, std::size_t i, std::string_view name) {
+  const Entry& sizes = entries.of_key[kSize];
+  const Entry& types = entries.of_key[kType];
+  const Entry& counts = entries.of_key[kCount];
+  PcdField field;
+  field.name = entries.of_key[kFields].words[i];
+  const auto size_bytes = bounded(sizes.words[i], sizes, kSize, name, 1, 8);
+  if (!size_bytes) {
+    return tl::unexpected(size_bytes.error());
+  }
+  field.size_bytes = *size_bytes;
+  const auto type = parse_type(types.words[i], field.size_bytes, types.line, name);
+  if (!type) {
+    return tl::unexpected(type.error());
+  }
+  field.type = *type;
+  if (counts.line != 0) {
+    const auto count = bounded(counts.words[i], counts, kCount, name, 1, kPcdCountMax);
+    if (!count) {
+      return tl::unexpected(count.error());
+    }
+    field.count = *count;
+  }
+  return field;
+}
+
+Status fill_fields(const Entries& entries, std::string_view name, PcdHeader& header) {
+  const std::size_t fields = entries.of_key[kFields].words.size();
+  for (const Key key : {kSize, kType, kCount}) {
+    const Entry& entry = entries.of_key[key];
+    if (entry.line != 0 && entry.words.size() != fields) {
+      return refuse_line(name, entry.line,
+                         std::string(kKeys[key]) + " has " + std::to_string(entry.words.size()) +
+                             " values for " + std::to_string(fields) + " fields; it must have one for each");
+    }
+  }
+  for (std::size_t i = 0; i < fields; ++i) {
+    auto field = parse_field(entries, i, name);
+    if (!field) {
+      return tl::unexpected(std::move(field.error()));
+    }
+    field->offset_bytes = header.stride_bytes;
+    field->first_value = header.values;
+    header.stride_bytes += field->total_bytes();  // at most kPcdFieldsMax * kPcdCountMax * 8
+    header.values += field->count;
+    header.fields.push_back(std::move(*field));
+  }
+  return {};
+}
+
+tl::expected<std::optional<std::size_t>, InputError> find_field(const PcdHeader& header, std::size_t line,
+                                                                std::string_view wanted,
+                                                                std::string_view name) {
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < header.fields.size(); ++i) {
+    if (header.fields[i].name != wanted) {
+      continue;
+    }
+    if (found) {
+      return refuse_line(name, line, "names the field " + in_quotes(wanted) + " twice; rename one to _");
+    }
+    if (header.fields[i].count != 1) {
+      return refuse_line(name, line,
+                         "the field " + in_quotes(wanted) + " has COUNT " +
+                             std::to_string(header.fields[i].count) + "; it must have 1");
+    }
+    found = i;
+  }
+  return found;
+}
+
+Status place_fields(const Entries& entries, std::string_view name, PcdHeader& header) {
+  const std::size_t line = entries.of_key[kFields].line;
+  const std::array<std::pair<std::string_view, std::size_t*>, 3> required{
+      {{"x", &header.x}, {"y", &header.y}, {"z", &header.z}}};
+  for (const auto& [wanted, place] : required) {
+    const auto found = find_field(header, line, wanted, name);
+    if (!found) {
+      return tl::unexpected(found.error());
+    }
+    if (!*found) {
+      return refuse_line(name, line, "has no field " + in_quotes(wanted) + "; x, y and z are needed");
+    }
+    *place = **found;
+  }
+  return find_field(header, line, "ring", name).map([&](std::optional<std::size_t> ring) {
+    header.ring = ring;
+  });
+}
+
+Status fill_points(const Entries& entries, std::string_view name, PcdHeader& header) {
+  const auto width = single(entries, kWidth, name);
+  const auto height = width ? single(entries, kHeight, name) : width;
+  const auto points = height ? single(entries, kPoints, name) : height;
+  if (!points) {
+    return tl::unexpected(points.error());
+  }
+  // Neither product below can overflow: each factor is at most kPcdPointsMax or the bounds of the fields.
+  if (*width * *height != *points) {
+    return refuse_line(name, entries.of_key[kPoints].line,
+                       "POINTS is " + std::to_string(*points) + ", but WIDTH x HEIGHT is " +
+                           std::to_string(*width * *height) + "; they must agree");
+  }
+  header.points = *points;
+  return {};
+}
+
+Status fill_data(const Entries& entries, std::string_view name, PcdHeader& header) {
+  constexpr std::array<std::pair<std::string_view, PcdData>, 3> kKinds{
+      {{"ascii", PcdData::Ascii},
+       {"binary", PcdData::Binary},
+       {"binary_compressed", PcdData::BinaryCompressed}}};
+  header.data_offset_bytes = entries.end_bytes;
+  header.data_line = entries.last_line + 1;
+  const Entry& entry = entries.of_key[kData];
+  for (const auto& [word, kind] : kKinds) {
+    if (entry.words.size() == 1 && entry.words.front() == word) {
+      header.data = kind;
+      return {};
+    }
+  }
+  return refuse_line(name, entry.line,
+                     "DATA is " + in_quotes(entry.words.empty() ? "" : entry.words.front()) +
+                         "; allowed are ascii, binary and binary_compressed");
+}
+
+}  // namespace
+
+tl::expected<PcdHeader, InputError> parse_pcd_header(std::string_view bytes, std::string_view name) {
+  auto entries = read_entries(bytes, name);
+  if (!entries) {
+    return tl::unexpected(std::move(entries.error()));
+  }
+  PcdHeader header;
+  const Status status = check_present(*entries, name)
+                            .and_then([&] { return fill_fields(*entries, name, header); })
+                            .and_then([&] { return place_fields(*entries, name, header); })
+                            .and_then([&] { return fill_points(*entries, name, header); })
+                            .and_then([&] { return fill_data(*entries, name, header); });
+  if (!status) {
+    return tl::unexpected(status.error());
+  }
+  return header;
+}
+
+}  // namespace slamsensor::tools

@@ -1,0 +1,45 @@
+#include <cstdio>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/commands/command.hpp"
+
+namespace {
+
+int run(int argc, char** argv) {
+  using namespace slamsensor::tools;  // NOLINT(google-build-using-namespace): the verbs of this program
+  CLI::App app("slamsensor: a standalone SLAM sensor. One verb per job, the same on a sensor and on a recording.");
+  app.require_subcommand(1);
+  CommandResult result = EX_OK;
+  add_replay(app, result);
+  add_locate(app, result);
+  add_eval(app, result);
+  add_simulate(app, result);
+  add_demo(app, result);
+  add_edges(app, result);
+  add_memory(app, result);
+  add_check_config(app, result);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int status = app.exit(error);
+    return status == 0 ? EX_OK : EX_USAGE;
+  }
+  if (!result) {
+    std::fprintf(stderr, "slamsensor: %s", result.error().message.c_str());
+    return result.error().exit_status;
+  }
+  return std::fflush(stdout) == 0 ? *result : EX_IOERR;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "slamsensor: %s; this is a fault of the program, please report it\n", error.what());
+    return EX_SOFTWARE;
+  }
+}

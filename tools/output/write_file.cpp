@@ -1,0 +1,119 @@
+#include "tools/output/write_file.hpp"
+
+#include <cerrno>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+
+namespace slamsensor::tools {
+namespace {
+
+using Path = std::filesystem::path;
+
+constexpr int kTemporaryNamesMax = 100;
+
+std::string_view advice(int error) {
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+      return "free some space or name a folder on another disk";
+    case EACCES:
+    case EPERM:
+    case EROFS:
+      return "make the folder writable or name another one";
+    case ENOENT:
+    case ENOTDIR:
+      return "create the folder or correct the path";
+    case EISDIR:
+      return "name a file, not a folder";
+    case ENAMETOOLONG:
+      return "choose a shorter name";
+    case EPIPE:
+      return "the reader at the other end has gone";
+    default:
+      return "check the disk and try again";
+  }
+}
+
+tl::unexpected<OutputError> failure(const Path& path, int error) {
+  return tl::unexpected(OutputError{"cannot write " + path.string() + ": " +
+                                    std::generic_category().message(error) + "; " +
+                                    std::string(advice(error))});
+}
+
+// 0 or errno.
+int write_all(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return errno;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
+
+// 0 or errno; the file is closed in every case. Pipes and some file systems know no fsync and say EINVAL or
+// ENOTSUP.
+int write_and_close(int file, std::string_view bytes) {
+  int error = write_all(file, bytes);
+  if (error == 0 && ::fsync(file) != 0 && errno != EINVAL && errno != ENOTSUP) error = errno;
+  if (::close(file) != 0 && error == 0) error = errno;
+  return error;
+}
+
+tl::expected<void, OutputError> write_in_place(const Path& path, std::string_view bytes) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (file < 0) return failure(path, errno);
+  if (const int error = write_and_close(file, bytes); error != 0) return failure(path, error);
+  return {};
+}
+
+// The name does not contain the target's own, which may already be as long as the file system allows.
+Path temporary_name(const Path& folder, int attempt) {
+  return folder / (".slamsensor-" + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".part");
+}
+
+struct Temporary {
+  Path path;
+  int file = -1;
+};
+
+tl::expected<Temporary, int> create_temporary(const Path& folder) {
+  int error = EEXIST;
+  for (int attempt = 0; attempt < kTemporaryNamesMax && error == EEXIST; ++attempt) {
+    const Path name = temporary_name(folder, attempt);
+    const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file >= 0) return Temporary{name, file};
+    error = errno;
+  }
+  return tl::unexpected(error);
+}
+
+tl::expected<void, OutputError> replace(const Path& path, std::string_view bytes) {
+  const Path folder = path.has_parent_path() ? path.parent_path() : Path(".");
+  const auto temporary = create_temporary(folder);
+  if (!temporary) return failure(path, temporary.error());
+  int error = write_and_close(temporary->file, bytes);
+  if (error == 0 && ::rename(temporary->path.c_str(), path.c_str()) != 0) error = errno;
+  if (error == 0) return {};
+  ::unlink(temporary->path.c_str());
+  return failure(path, error);
+}
+
+}  // namespace
+
+tl::expected<void, OutputError> write_file(const Path& path, std::string_view bytes) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return replace(path, bytes);
+  if (S_ISDIR(status.st_mode)) return failure(path, EISDIR);
+  if (!S_ISREG(status.st_mode)) return write_in_place(path, bytes);
+  // An existing file that may not be written must not be replaced just because its folder may be.
+  if (::access(path.c_str(), W_OK) != 0) return failure(path, errno);
+  std::error_code error;
+  const Path target = std::filesystem::canonical(path, error);
+  if (error) return failure(path, error.value());
+  return replace(target, bytes);
+}
+
+}  // namespace slamsensor::tools

@@ -1,0 +1,76 @@
+#pragma once
+
+#include "core/geometry/pose2.hpp"
+#include "core/reading.hpp"
+#include "tools/world/world.hpp"
+
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+namespace slamsensor::tools {
+
+enum class SweepOrder : std::uint8_t {
+  BackAndForth,  ///< the first scanline from left to right, the next back, and so on
+  OneWay,        ///< every scanline from left to right
+};
+
+/// One position of the paper's pan-tilt unit (PTU-46, 185.1428 arc seconds), rad. The paper's figures are
+/// multiples of it.
+inline constexpr double kPtuStep_rad = std::numbers::pi / 3500.0;
+
+/// How the sensor head sweeps. Defaults: experiments I and II of the paper, 51 scanlines of 5,000 readings. A
+/// scanline has a reading in the middle of each pan step; there is a scanline at both ends of the tilt range.
+struct SweepConfig {
+  double pan_min_rad = -2500.0 * kPtuStep_rad;  // -128.57 deg
+  double pan_max_rad = 2500.0 * kPtuStep_rad;
+  double pan_step_rad = kPtuStep_rad;           // 0.0514 deg
+  double tilt_min_rad = -350.0 * kPtuStep_rad;  // -18.0 deg
+  double tilt_max_rad = 150.0 * kPtuStep_rad;   // 7.71 deg
+  double tilt_step_rad = 10.0 * kPtuStep_rad;   // 0.514 deg
+  double readings_per_second = 1000.0;
+  double line_change_s = 0.0;   ///< from the end of a scanline to the start of the next
+  double mount_height_m = 1.5;  ///< of the sensor's origin above the ground
+  SweepOrder order = SweepOrder::BackAndForth;
+  double roll_rad = 0.0;   ///< error of the levelling: about x', right side down when positive
+  double pitch_rad = 0.0;  ///< about y', front down when positive
+};
+
+/// Experiments I and II of the paper: pan +-128.57 deg by 0.0514, tilt -18.0 to 7.71 deg by 0.514.
+[[nodiscard]] SweepConfig paper_sweep_1_2() noexcept;
+
+/// Experiments III and IV: tilt -17.5 to 8.23 deg by 1.03, 26 scanlines.
+[[nodiscard]] SweepConfig paper_sweep_3_4() noexcept;
+
+/// What is wrong with `sweep`, if anything: a step or rate that is not positive, an empty or too wide range,
+/// more than 100,000 scanlines or readings per scanline, or 50 million readings.
+[[nodiscard]] std::optional<WorldError> find_problem(const SweepConfig& sweep);
+
+[[nodiscard]] std::size_t line_count(const SweepConfig& sweep) noexcept;
+[[nodiscard]] std::size_t readings_per_line(const SweepConfig& sweep) noexcept;
+
+/// Time from the start of the scan to the reading `index` of scanline `line`, and from its first to its last
+/// reading, s.
+[[nodiscard]] double reading_time_s(const SweepConfig& sweep, std::size_t line, std::size_t index) noexcept;
+[[nodiscard]] double scan_duration_s(const SweepConfig& sweep) noexcept;
+
+/// Pan of the reading `index`, in the order of time, of scanline `line`, rad.
+[[nodiscard]] double reading_pan_rad(const SweepConfig& sweep, std::size_t line, std::size_t index) noexcept;
+
+/// Where the sensor is in W when its mount stands at `pose_W`.
+struct SensorPlace {
+  Eigen::Vector3d position_W;
+  Eigen::Matrix3d R_W_L;  ///< takes directions in L (x' forward, y' left, z' up) to W
+};
+[[nodiscard]] SensorPlace sensor_place(const World& world, const SweepConfig& sweep,
+                                       const core::Pose2& pose_W) noexcept;
+
+/// One scan from `pose_W` that starts at `start_s`: scanlines from the lowest tilt up, each in the order of
+/// the sweep, every reading of the world as it is at the reading's time. Equal arguments give equal readings.
+/// A sweep that `find_problem` refuses gives no scanline.
+[[nodiscard]] std::vector<std::vector<core::Reading>> scan(const World& world, const SweepConfig& sweep,
+                                                           const core::Pose2& pose_W, double start_s,
+                                                           std::uint64_t seed);
+
+}  // namespace slamsensor::tools

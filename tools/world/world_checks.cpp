@@ -1,0 +1,102 @@
+#include "tools/world/world_fields.hpp"
+
+#include <charconv>
+#include <cmath>
+
+namespace slamsensor::tools {
+namespace {
+
+constexpr double kObjectsMax = 1e6;
+constexpr double kReach_m = 1e5;
+
+std::string text_of(double number) {
+  char buffer[32];
+  const auto end = std::to_chars(buffer, buffer + sizeof(buffer), number).ptr;
+  return {buffer, end};
+}
+
+std::string name_of(const Section& section, const std::string& key) {
+  return section.name.empty() ? key : section.name + "." + key;
+}
+
+std::optional<WorldError> find_problem_in(const Section& section) {
+  for (const Field& field : section.fields) {
+    const std::optional<double> number = number_of(field);
+    const double slack = number ? 1e-9 * std::abs(*number) : 0.0;  // degrees that went to radians and back
+    if (number && !(*number >= field.min - slack && *number <= field.max + slack)) {
+      return WorldError{out_of_range(section, field, *number)};
+    }
+  }
+  for (const auto& [name, interval] : section.intervals) {
+    if (interval->min > interval->max) {
+      return WorldError{name_of(section, name) + ": the least, " + text_of(interval->min) +
+                        ", exceeds the greatest, " + text_of(interval->max) + "; swap them"};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<WorldError> find_area_problem(const WorldConfig& config) {
+  const AreaConfig& area = config.area;
+  if (area.x_min_m >= area.x_max_m || area.y_min_m >= area.y_max_m) {
+    return WorldError{"area is empty: x_min_m must be below x_max_m, and y_min_m below y_max_m"};
+  }
+  const RowsConfig& rows = config.rows;
+  if (rows.spacing_m > 0.0 && rows.spacing_m < 0.2) {
+    return WorldError{"rows.spacing_m = " + text_of(rows.spacing_m) +
+                      " is out of range: 0 for no rows, or at least 0.2"};
+  }
+  const double per_ha = config.trees.density_per_ha + config.bushes.density_per_ha +
+                        config.rocks.density_per_ha + config.posts.density_per_ha +
+                        (rows.spacing_m > 0.0 ? 1e4 / (rows.spacing_m * rows.step_m) : 0.0);
+  const double objects = per_ha * area.hectares() + static_cast<double>(config.stems.size());
+  if (objects > kObjectsMax) {
+    return WorldError{"the densities ask for " + text_of(std::round(objects)) +
+                      " objects, more than 1000000; lower a density_per_ha or shrink the area"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<double> number_of(const Field& field) noexcept {
+  if (const auto* real = std::get_if<double*>(&field.value)) {
+    return **real / field.scale;
+  }
+  if (const auto* small = std::get_if<std::uint32_t*>(&field.value)) {
+    return **small;
+  }
+  return std::nullopt;
+}
+
+std::string out_of_range(const Section& section, const Field& field, double number) {
+  return name_of(section, field.key) + " = " + text_of(number) + " is out of range: " + text_of(field.min) +
+         " to " + text_of(field.max);
+}
+
+std::optional<WorldError> find_problem(const WorldConfig& config) {
+  WorldConfig copy = config;  // the fields point to what may be written
+  std::vector<Section> sections = sections_of(copy);
+  for (WallConfig& wall : copy.walls) {
+    sections.push_back(section_of(wall));
+  }
+  for (MoverConfig& mover : copy.movers) {
+    sections.push_back(section_of(mover));
+  }
+  for (StandConfig& stand : copy.stands) {
+    sections.push_back(section_of(stand));
+  }
+  for (const Section& section : sections) {
+    if (auto problem = find_problem_in(section)) {
+      return problem;
+    }
+  }
+  for (const core::Point2& stem_W : copy.stems) {
+    if (!(stem_W.cwiseAbs().maxCoeff() <= kReach_m) || !stem_W.allFinite()) {
+      return WorldError{"a stem is not within 100 km of the origin; subtract an offset from its coordinates"};
+    }
+  }
+  return find_area_problem(copy);
+}
+
+}  // namespace slamsensor::tools
