@@ -81,14 +81,17 @@ void PointGrid::copy_from(const PointGrid& other, std::span<const Point2> points
 }
 
 PointGrid::CellRange PointGrid::cells_around(const Point2& p, double radius_m) const noexcept {
-  const auto clip = [](double cell, std::int64_t count) {
-    return static_cast<std::int64_t>(std::clamp(std::floor(cell), -1.0, static_cast<double>(count)));
+  // Compared before it is converted: no cell number overflows, and what is no number gives no cell.
+  const auto first_cell = [](double cell, std::int64_t count) {
+    return cell < static_cast<double>(count) ? (cell > 0.0 ? static_cast<std::int64_t>(cell) : 0) : count;
+  };
+  const auto end_cell = [](double cell, std::int64_t count) {
+    return cell >= 0.0 ? (cell < static_cast<double>(count) ? static_cast<std::int64_t>(cell) + 1 : count) : 0;
   };
   const double x = (p.x() - origin_.x()) * cells_per_m_;
   const double y = (p.y() - origin_.y()) * cells_per_m_;
   const double r = radius_m * cells_per_m_;
-  return {std::max<std::int64_t>(clip(x - r, columns_), 0), std::min(clip(x + r, columns_) + 1, columns_),
-          std::max<std::int64_t>(clip(y - r, rows_), 0), std::min(clip(y + r, rows_) + 1, rows_)};
+  return {first_cell(x - r, columns_), end_cell(x + r, columns_), first_cell(y - r, rows_), end_cell(y + r, rows_)};
 }
 
 template <typename Visit>

@@ -17,8 +17,9 @@ struct AssociationOptions {
   double peer_seconds = 60.0;  ///< CPU time after which a peer is given no further query
 };
 
-/// Takes --queries=A,B,C, --foreign-queries=A,B,C, --peer-queries=N and --peer-seconds=S out of the arguments;
-/// what is left is for Google Benchmark. A value that is no number ends the program with a message.
+/// Takes --queries=A,B,C, --foreign-queries=A,B,C, --peer-queries=N and --peer-seconds=S out of the
+/// arguments; what is left is for Google Benchmark. A value that is no number ends the program with a
+/// message.
 [[nodiscard]] AssociationOptions take_options(int& argc, char** argv);
 
 }  // namespace slamsensor::bench

@@ -40,7 +40,8 @@ CoreMatcher::CoreMatcher(std::span<const core::Point2> map_W, Effort effort)
   core::Arena measuring;
   const core::LandmarkMap map(measuring, capacities_);
   const auto search = std::make_unique<core::PaperSearch>(measuring, config_, capacities_);
-  bytes_ = measuring.bytes_used() + sizeof(core::LandmarkMap) + sizeof(core::PaperSearch) + sizeof(core::Candidates);
+  bytes_ = measuring.bytes_used() + sizeof(core::LandmarkMap) + sizeof(core::PaperSearch) +
+           sizeof(core::Candidates);
 }
 
 CoreMatcher::Answer CoreMatcher::locate(std::span<const core::Point2> scan_L) {

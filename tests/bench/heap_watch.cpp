@@ -1,10 +1,11 @@
 #include "tests/bench/heap_watch.hpp"
 
-#include <malloc.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstdlib>
+#include <malloc.h>
+#include <string.h>
 
 // glibc's allocator under the names that stay its own when a program brings its own malloc.
 extern "C" {
@@ -50,10 +51,18 @@ HeapWatch::HeapWatch() noexcept {
   watching = true;
 }
 
-HeapWatch::~HeapWatch() { watching = false; }
+HeapWatch::~HeapWatch() {
+  watching = false;
+}
 
 HeapUse HeapWatch::use() const noexcept {
   return {allocations.load(), static_cast<std::size_t>(std::max<std::int64_t>(0, peak_bytes.load()))};
+}
+
+bool heap_watch_works() {
+  const HeapWatch watch;
+  std::free(strdup("allocated in the C library"));
+  return watch.use().allocations == 1 && watch.use().peak_bytes > 0;
 }
 
 }  // namespace slamsensor::bench
@@ -61,7 +70,9 @@ HeapUse HeapWatch::use() const noexcept {
 // The program's malloc family: what the dynamic linker gives to every library it loads.
 extern "C" {
 
-void* malloc(std::size_t bytes) noexcept { return slamsensor::bench::note_taken(__libc_malloc(bytes)); }
+void* malloc(std::size_t bytes) noexcept {
+  return slamsensor::bench::note_taken(__libc_malloc(bytes));
+}
 
 void* calloc(std::size_t count, std::size_t bytes) noexcept {
   return slamsensor::bench::note_taken(__libc_calloc(count, bytes));
@@ -76,7 +87,9 @@ void* memalign(std::size_t alignment, std::size_t bytes) noexcept {
   return slamsensor::bench::note_taken(__libc_memalign(alignment, bytes));
 }
 
-void* aligned_alloc(std::size_t alignment, std::size_t bytes) noexcept { return memalign(alignment, bytes); }
+void* aligned_alloc(std::size_t alignment, std::size_t bytes) noexcept {
+  return memalign(alignment, bytes);
+}
 
 int posix_memalign(void** block, std::size_t alignment, std::size_t bytes) noexcept {
   if (alignment % sizeof(void*) != 0 || (alignment & (alignment - 1)) != 0) {

@@ -23,4 +23,8 @@ class HeapWatch {
   [[nodiscard]] HeapUse use() const noexcept;
 };
 
+/// Whether an allocation, also one made in a shared library, is counted: a count of 0 means nothing
+/// otherwise.
+[[nodiscard]] bool heap_watch_works();
+
 }  // namespace slamsensor::bench

@@ -1,9 +1,8 @@
 #include "core/association/rigid_fit.hpp"
 #include "tests/bench/peers.hpp"
 
+#include <algorithm>
 #include <igraph/igraph.h>
-
-#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -23,9 +22,24 @@ class Integers {
   igraph_vector_int_t vector_{};
 };
 
+/// Two landmarks of the map and how far apart they are.
+struct MapPair {
+  double length_m;
+  std::size_t a;
+  std::size_t b;
+};
+
 class IgraphPeer : public Peer {
  public:
-  explicit IgraphPeer(std::span<const core::Point2> map_W) : map_W_(map_W.begin(), map_W.end()) {}
+  explicit IgraphPeer(std::span<const core::Point2> map_W) : map_W_(map_W.begin(), map_W.end()) {
+    for (std::size_t a = 0; a < map_W.size(); ++a) {
+      for (std::size_t b = a + 1; b < map_W.size(); ++b) {
+        pairs_.push_back({(map_W[a] - map_W[b]).norm(), a, b});
+      }
+    }
+    std::sort(pairs_.begin(), pairs_.end(),
+              [](const MapPair& one, const MapPair& two) { return one.length_m < two.length_m; });
+  }
 
   std::optional<core::Pose2> locate(std::span<const core::Point2> scan_L) override {
     Integers edges;
@@ -47,16 +61,14 @@ class IgraphPeer : public Peer {
   }
 
   void join_consistent(std::span<const core::Point2> scan_L, Integers& edges) const {
-    for (std::size_t a = 0; a < map_W_.size(); ++a) {
-      for (std::size_t b = a + 1; b < map_W_.size(); ++b) {
-        const double map_m = (map_W_[a] - map_W_[b]).norm();
-        for (std::size_t i = 0; i < scan_L.size(); ++i) {
-          for (std::size_t j = i + 1; j < scan_L.size(); ++j) {
-            if (std::abs((scan_L[i] - scan_L[j]).norm() - map_m) <= kTolerance_m) {
-              join(vertex(i, a), vertex(j, b), edges);
-              join(vertex(i, b), vertex(j, a), edges);
-            }
-          }
+    for (std::size_t i = 0; i < scan_L.size(); ++i) {
+      for (std::size_t j = i + 1; j < scan_L.size(); ++j) {
+        const double scan_m = (scan_L[i] - scan_L[j]).norm();
+        auto pair = std::lower_bound(pairs_.begin(), pairs_.end(), scan_m - kTolerance_m,
+                                     [](const MapPair& p, double length_m) { return p.length_m < length_m; });
+        for (; pair != pairs_.end() && pair->length_m <= scan_m + kTolerance_m; ++pair) {
+          join(vertex(i, pair->a), vertex(j, pair->b), edges);
+          join(vertex(i, pair->b), vertex(j, pair->a), edges);
         }
       }
     }
@@ -100,6 +112,7 @@ class IgraphPeer : public Peer {
   }
 
   std::vector<core::Point2> map_W_;
+  std::vector<MapPair> pairs_;  // by length; made once per map, as the product's index is
 };
 
 }  // namespace

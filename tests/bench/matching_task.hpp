@@ -23,6 +23,7 @@ struct MatchingTask {
 };
 
 /// Equal arguments, equal tasks; a longer list of queries begins with the shorter one.
-[[nodiscard]] MatchingTask make_matching_task(std::uint32_t landmarks, std::size_t queries, std::size_t foreign);
+[[nodiscard]] MatchingTask make_matching_task(std::uint32_t landmarks, std::size_t queries,
+                                              std::size_t foreign);
 
 }  // namespace slamsensor::bench

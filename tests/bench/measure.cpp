@@ -1,12 +1,11 @@
 #include "tests/bench/measure.hpp"
 
-#include <sys/resource.h>
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
+#include <sys/resource.h>
+#include <time.h>
 
 namespace slamsensor::bench {
 

@@ -23,9 +23,9 @@ class Peer {
 /// What the task tells every method: lengths and places agree within it, m.
 inline constexpr double kTolerance_m = 0.5;
 
-/// The largest clique of the consistency graph, exactly (igraph_largest_cliques): a vertex per pair of scan and
-/// map landmark, an edge where two pairs agree in length within the tolerance. Of several largest cliques the
-/// one with the least residual.
+/// The largest clique of the consistency graph, exactly (igraph_largest_cliques): a vertex per pair of scan
+/// and map landmark, an edge where two pairs agree in length within the tolerance. Of several largest cliques
+/// the one with the least residual.
 [[nodiscard]] std::unique_ptr<Peer> make_igraph_peer(std::span<const core::Point2> map_W);
 
 /// PCL's keypoint-based four point congruent sets (KFPCSInitialAlignment).

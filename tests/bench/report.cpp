@@ -36,13 +36,17 @@ void widen(Columns& columns, const std::string& name, std::size_t width) {
 
 const std::string& cell_of(const Report::Cells& cells, const std::string& column) {
   static const std::string none;
-  const auto cell = std::find_if(cells.begin(), cells.end(), [&](const auto& c) { return c.first == column; });
+  const auto cell =
+      std::find_if(cells.begin(), cells.end(), [&](const auto& c) { return c.first == column; });
   return cell == cells.end() ? none : cell->second;
 }
 
 }  // namespace
 
 void Report::print() const {
+  if (rows_.empty()) {
+    return;  // the filter left nothing of it
+  }
   Columns columns;
   std::size_t name_width = 0;
   for (const auto& [name, cells] : rows_) {
@@ -65,8 +69,8 @@ void Report::print() const {
     std::printf("%s:|", std::string(width + 1, '-').c_str());
   }
   std::printf("\n");
-  for (const auto& [name, cells] : rows_) {
-    line(name, [&](const std::string& column) { return cell_of(cells, column); });
+  for (const auto& row : rows_) {
+    line(row.first, [&](const std::string& column) { return cell_of(row.second, column); });
   }
   for (const std::string& note : notes_) {
     std::printf("\n%s\n", note.c_str());
@@ -97,11 +101,15 @@ void Row::finish(double iteration_ms) {
 }
 
 void add_benchmark(const std::string& name, std::function<void(benchmark::State&)> body) {
-  benchmark::RegisterBenchmark(name.c_str(), [body = std::move(body)](benchmark::State& state) {
-    for (auto _ : state) {
-      body(state);
-    }
-  })->Iterations(1)->UseManualTime()->Unit(benchmark::kMillisecond);
+  benchmark::RegisterBenchmark(name.c_str(),
+                               [body = std::move(body)](benchmark::State& state) {
+                                 for (auto _ : state) {
+                                   body(state);
+                                 }
+                               })
+      ->Iterations(1)
+      ->UseManualTime()
+      ->Unit(benchmark::kMillisecond);
 }
 
 int run(int argc, char** argv, const Report& report) {

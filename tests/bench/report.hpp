@@ -24,7 +24,7 @@ class Report {
   /// A line under the table.
   void add_note(std::string note) { notes_.push_back(std::move(note)); }
 
-  /// Writes title, table and notes to the standard output.
+  /// Writes title, table and notes to the standard output; nothing when there is no row.
   void print() const;
 
  private:

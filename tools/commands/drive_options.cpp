@@ -11,7 +11,7 @@ void DriveOptions::add_to(CLI::App& verb) {
   verb.add_option("--step", simulate.drive.step_m, "way from one scan to the next, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  verb.add_option("--kidnaps", simulate.drive.kidnap_share, "share of scans made anywhere instead of a step further")
+  verb.add_option("--kidnaps", simulate.drive.kidnap_share, "share of scans made near some earlier one instead of a step further")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   verb.add_option("--seed", simulate.seed, "of the drive and of the noise")->capture_default_str();

@@ -120,7 +120,7 @@ struct Experiment {
 
 class PaperProfile : public testing::TestWithParam<Experiment> {};
 
-TEST_P(PaperProfile, HasThePapersValues) {
+TEST_P(PaperProfile, HasThePapersValuesAndBelievesNothingByChance) {
   const core::Config config = loaded_profile(GetParam().file).config.core;
   EXPECT_EQ(config.detection.range_max_m, 300.0);
   EXPECT_EQ(config.detection.range_step_m, 0.5);
@@ -133,9 +133,9 @@ TEST_P(PaperProfile, HasThePapersValues) {
   EXPECT_EQ(config.association.tolerance_m, GetParam().tolerance_m);
   EXPECT_EQ(config.association.order_share, 0.125);
   EXPECT_EQ(config.association.fit, core::PoseFit::LeastSquares);
-  EXPECT_FALSE(config.association.exhaust_when_unsure);
+  EXPECT_TRUE(config.association.exhaust_when_unsure);
   EXPECT_EQ(config.mapping.prune_share, 0.0);
-  EXPECT_EQ(config.acceptance.rule, core::AcceptanceRule::Paper);
+  EXPECT_EQ(config.acceptance.rule, core::AcceptanceRule::Computed);
   EXPECT_EQ(config.mapping.hypotheses_max, 3U);
   EXPECT_EQ(config.mapping.update, core::LandmarkUpdate::Paper);
 }

@@ -1,0 +1,150 @@
+// The whole step (DESIGN 2.7, 7): core::Slam::process while a map grows to about 1,000 landmarks, with what
+// it asks of the heap and of the kernel, and the memory plan.
+#include "core/config.hpp"
+#include "core/slam.hpp"
+#include "tests/bench/heap_watch.hpp"
+#include "tests/bench/report.hpp"
+#include "tests/support/forest.hpp"
+#include "tests/support/in_arena.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <string>
+#include <sys/mman.h>
+#include <vector>
+
+namespace slamsensor::bench {
+namespace {
+
+constexpr std::uint64_t kSeed = 41;
+constexpr std::uint32_t kTrees = 3000;
+constexpr std::uint32_t kMapGoal = 1000;
+constexpr std::size_t kScansMax = 400;
+constexpr double kStep_m = 8.0;      // between scans
+constexpr double kLoopGap_m = 12.0;  // between the turns of the spiral
+constexpr double kMebibyte = 1024.0 * 1024.0;
+
+struct SeenScan {
+  std::vector<core::ScanLandmark> landmarks;
+  core::Pose2 truth_W;
+};
+
+/// A spiral outwards from the middle of a forest, so that each turn sees trees of the turn before.
+std::vector<SeenScan> drive() {
+  tests::Draw draw(kSeed);
+  const tests::Forest forest = tests::make_forest(kTrees, draw);
+  const tests::ScanModel model{20, 0.2, 1, 0.1};
+  std::vector<SeenScan> scans;
+  double turned_rad = 0.0;
+  while (scans.size() < kScansMax) {
+    const double radius_m = kLoopGap_m * turned_rad / (2.0 * std::numbers::pi);
+    const core::Pose2 pose_W{radius_m * std::cos(turned_rad), radius_m * std::sin(turned_rad),
+                             draw.uniform(-std::numbers::pi, std::numbers::pi)};
+    scans.push_back({tests::as_landmarks(tests::scan_forest(forest, pose_W, model, draw)), pose_W});
+    turned_rad += kStep_m / std::max(kStep_m, radius_m);
+  }
+  return scans;
+}
+
+/// As the daemon does before its first scan: memory locked, the stack touched.
+bool lock_memory() noexcept {
+  std::array<volatile char, 512 * 1024> stack;
+  for (std::size_t i = 0; i < stack.size(); i += 1024) {
+    stack[i] = 0;
+  }
+  return mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+}
+
+void measure_steps(Row row) {
+  if (!heap_watch_works()) {
+    std::abort();  // a count of 0 would mean nothing
+  }
+  const std::vector<SeenScan> scans = drive();
+  tests::InArena<core::Slam> slam(core::Config{});
+  const bool locked = lock_memory();
+  const core::Pose2 T_map_W = scans[0].truth_W.inverse();  // the first scan defines the map's frame
+  Times times(scans.size());
+  Times grown_times(scans.size());  // from nine tenths of the goal on
+  std::uint64_t allocations = 0;
+  std::uint64_t faults = 0;
+  std::size_t fixes = 0;
+  std::size_t wrong = 0;
+  std::uint32_t map_landmarks = 0;
+  for (std::size_t s = 0; s < scans.size() && map_landmarks < kMapGoal; ++s) {
+    const HeapWatch watch;
+    const std::uint64_t faults_before = page_faults_now();
+    core::Fix fix;
+    const double ms = cpu_of_ms([&] { fix = slam->process(scans[s].landmarks, {}, {}); });
+    const std::uint64_t faults_after = page_faults_now();
+    if (s > 0) {
+      times.add(ms);
+      if (map_landmarks >= kMapGoal * 9 / 10) {
+        grown_times.add(ms);
+      }
+      allocations += watch.use().allocations;
+      faults += faults_after - faults_before;
+    }
+    const bool valid = fix.status == core::FixStatus::Fix;
+    fixes += valid ? 1 : 0;
+    wrong += valid && !tests::is_right(fix.pose_W, T_map_W * scans[s].truth_W) ? 1 : 0;
+    map_landmarks = fix.landmarks_in_map;
+  }
+  row.number("scans", static_cast<double>(times.count() + 1), 0)
+      .number("fixes", static_cast<double>(fixes), 0)
+      .number("wrong fixes", static_cast<double>(wrong), 0)
+      .number("landmarks in map", map_landmarks, 0)
+      .times(times)
+      .number("median ms at 900 and more", grown_times.quantile_ms(0.5), 3)
+      .number("allocations", static_cast<double>(allocations), 0)
+      .number("page faults", static_cast<double>(faults), 0)
+      .text("memory locked", locked ? "yes" : "not permitted")
+      .finish(times.mean_ms());
+}
+
+void measure_plan(Row row, const core::Config& config) {
+  std::size_t bytes = 0;
+  const core::Arena::Plan plan = core::plan_memory(config, bytes);
+  const auto largest = std::max_element(plan.begin(), plan.end(),
+                                        [](const auto& a, const auto& b) { return a.bytes < b.bytes; });
+  row.number("bytes", static_cast<double>(bytes), 0)
+      .number("MiB", static_cast<double>(bytes) / kMebibyte, 1)
+      .text("largest entry", largest->name)
+      .number("its MiB", static_cast<double>(largest->bytes) / kMebibyte, 1)
+      .finish(0.0);
+}
+
+void add_plan(Report& report, const std::string& name, const core::Config& config) {
+  add_benchmark("slam/memory plan/" + name,
+                [=, &report](benchmark::State& state) { measure_plan(Row(state, report, name), config); });
+}
+
+core::Config config_for(std::uint32_t landmarks, std::uint32_t hypotheses) {
+  core::Config config;
+  config.capacities.map_landmarks = landmarks;
+  config.capacities.map_edges = 12 * landmarks;
+  config.mapping.hypotheses_max = hypotheses;
+  return config;
+}
+
+}  // namespace
+}  // namespace slamsensor::bench
+
+int main(int argc, char** argv) {
+  using namespace slamsensor::bench;
+  Report steps(
+      "Slam::process on a simulated drive, from an empty map; the first scan is not counted (aim: 0 "
+      "allocations, 0 page faults)");
+  add_benchmark("slam/process", [&](benchmark::State& state) {
+    measure_steps(Row(state, steps, "random forest, default config"));
+  });
+  Report plan("Memory plan of core::Slam, taken once at the start (target: the whole daemon in 64 MiB)");
+  add_plan(plan, "default config", {});
+  add_plan(plan, "1,000 landmarks x 3 hypotheses", config_for(1000, 3));
+  add_plan(plan, "10,000 landmarks x 3 hypotheses", config_for(10'000, 3));
+  const int exit_code = run(argc, argv, steps);
+  plan.print();
+  return exit_code;
+}

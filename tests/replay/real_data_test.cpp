@@ -1,0 +1,147 @@
+// The product on the real data sets, end to end. The sets are not part of the project: SLAMSENSOR_DATA names their folder,
+// and without it these tests skip.
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/localizer.hpp"
+#include "firmware/config/load_config.hpp"
+#include "tests/support/in_arena.hpp"
+#include "tools/eval/evaluation.hpp"
+#include "tools/eval/evaluation_report.hpp"
+#include "tools/input/tum.hpp"
+#include "tools/output/trajectory_tum.hpp"
+#include "tools/replay/replay.hpp"
+
+namespace slamsensor::tools {
+namespace {
+
+std::filesystem::path data_folder() {
+  const char* const folder = std::getenv("SLAMSENSOR_DATA");
+  return folder != nullptr ? folder : std::filesystem::path(SLAMSENSOR_CONFIG_DIR) / "../../shared/data";
+}
+
+firmware::Config profile(const std::string& name) {
+  auto loaded = firmware::load_config(std::filesystem::path(SLAMSENSOR_CONFIG_DIR) / name);
+  EXPECT_TRUE(loaded) << firmware::error_lines(loaded.error());
+  return loaded ? loaded->config : firmware::Config{};
+}
+
+class RealData : public testing::Test {
+ protected:
+  /// Replays one set with its profile; prints its evaluation.
+  Evaluation run(const std::string& set, const std::string& input) {
+    const std::filesystem::path folder = data_folder() / set;
+    const auto result = replay({input.empty() ? folder : folder / input}, profile(set + ".toml"));
+    EXPECT_TRUE(result) << result.error().message;
+    const auto truth = read_tum(folder / "reference.tum");
+    EXPECT_TRUE(truth) << truth.error().message;
+    if (!result || !truth) {
+      return {};
+    }
+    EXPECT_TRUE(result->refused.empty());
+    const auto evaluation = evaluate(*truth, trajectory_of(result->rows));
+    EXPECT_TRUE(evaluation);
+    std::printf("%s\n%s\n", set.c_str(), evaluation_text(*evaluation).c_str());
+    return *evaluation;
+  }
+  void SetUp() override {
+    if (!std::filesystem::exists(data_folder() / "README.md")) {
+      GTEST_SKIP() << "no real data at " << data_folder() << "; set SLAMSENSOR_DATA to its folder";
+    }
+  }
+};
+
+TEST_F(RealData, CampusTrees) {
+  const Evaluation e = run("campus_trees", "");
+  EXPECT_GE(static_cast<double>(e.fixes), 0.95 * static_cast<double>(e.scans_in_truth));
+  ASSERT_TRUE(e.first_fix);
+  EXPECT_EQ(e.first_fix->wrong_fixes, 0U);
+  EXPECT_LE(e.first_fix->ate_rms_m, 0.25);
+}
+
+TEST_F(RealData, OxfordForest) {
+  const Evaluation e = run("oxford_forest", "landmarks.csv");
+  EXPECT_GE(static_cast<double>(e.fixes), 0.99 * static_cast<double>(e.scans_in_truth));
+  ASSERT_TRUE(e.first_fix);
+  EXPECT_EQ(e.first_fix->wrong_fixes, 0U);
+  EXPECT_LE(e.first_fix->ate_rms_m, 0.30);
+  // The error does not grow: the last half is no worse than the first, beyond what chance moves.
+  double first_half = 0.0;
+  double last_half = 0.0;
+  for (std::size_t i = 0; i < 5; ++i) {
+    first_half += e.first_fix->tenths[i].rms_m / 5.0;
+    last_half += e.first_fix->tenths[5 + i].rms_m / 5.0;
+  }
+  EXPECT_LE(last_half, 1.5 * first_half + 0.05);
+}
+
+TEST_F(RealData, VictoriaParkIsNeverWrong) {
+  const Evaluation e = run("victoria_park", "landmarks.csv");
+  ASSERT_TRUE(e.first_fix);
+  EXPECT_EQ(e.first_fix->wrong_fixes, 0U);
+  EXPECT_GE(e.fixes, 2000U);
+}
+
+/// `plot,x_m,y_m,diameter_m` by plot.
+std::map<int, std::vector<core::Point2>> read_plots(const std::filesystem::path& path) {
+  std::map<int, std::vector<core::Point2>> plots;
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    int plot = 0;
+    double x_m = 0.0;
+    double y_m = 0.0;
+    EXPECT_EQ(std::sscanf(line.c_str(), "%d,%lf,%lf", &plot, &x_m, &y_m), 3) << line;
+    plots[plot].emplace_back(x_m, y_m);
+  }
+  return plots;
+}
+
+TEST_F(RealData, RiojaPlotsAllMatchTheirSurvey) {
+  const auto maps = read_plots(data_folder() / "rioja_plots/map.csv");
+  const auto scans = read_plots(data_folder() / "rioja_plots/scan.csv");
+  ASSERT_EQ(maps.size(), 16U);
+  const core::Config config = profile("rioja_plots.toml").core;
+  ASSERT_EQ(config.association.tolerance_m, 0.5);
+  tests::InArena<core::Localizer> localizer(config);
+  for (const auto& [plot, map_W] : maps) {
+    ASSERT_TRUE(localizer->set_map(map_W));
+    const core::Fix fix = localizer->locate(scans.at(plot), {});
+    const double rotation_deg = fix.pose_W.heading_rad * 180.0 / std::numbers::pi;
+    std::printf("rioja plot %2d: %u of %zu trees, %.2f deg, %.2f m\n", plot, fix.matches, scans.at(plot).size(),
+                rotation_deg, fix.pose_W.translation().norm());
+    EXPECT_EQ(fix.status, core::FixStatus::Fix) << "plot " << plot;
+    EXPECT_GE(fix.matches, 26U) << "plot " << plot;
+    EXPECT_GE(rotation_deg, -11.0) << "plot " << plot;
+    EXPECT_LE(rotation_deg, -7.0) << "plot " << plot;
+  }
+}
+
+// Every plot against every other plot's survey: nothing may be found.
+TEST_F(RealData, RiojaPlotsAreNotFoundInEachOther) {
+  const auto maps = read_plots(data_folder() / "rioja_plots/map.csv");
+  const auto scans = read_plots(data_folder() / "rioja_plots/scan.csv");
+  tests::InArena<core::Localizer> localizer(profile("rioja_plots.toml").core);
+  for (const auto& [plot, map_W] : maps) {
+    ASSERT_TRUE(localizer->set_map(map_W));
+    for (const auto& [other, scan_L] : scans) {
+      if (other != plot) {
+        EXPECT_NE(localizer->locate(scan_L, {}).status, core::FixStatus::Fix) << other << " in " << plot;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace slamsensor::tools

@@ -1,0 +1,123 @@
+// The paper's experiments in simulated worlds: seeded drives, whole pipeline from readings to fixes, judged against the
+// truth. SLAMSENSOR_SIM_SEEDS says how many seeds (default 4; 20 for the table of the README).
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "firmware/config/load_config.hpp"
+#include "firmware/pipeline.hpp"
+#include "tools/eval/evaluation.hpp"
+#include "tools/world/drive.hpp"
+#include "tools/world/sweep.hpp"
+#include "tools/world/world_loader.hpp"
+
+namespace slamsensor::tools {
+namespace {
+
+const std::filesystem::path kConfigDir = SLAMSENSOR_CONFIG_DIR;
+
+std::uint64_t seed_count() {
+  const char* const count = std::getenv("SLAMSENSOR_SIM_SEEDS");
+  return count != nullptr ? std::strtoull(count, nullptr, 10) : 4;
+}
+
+struct Outcome {
+  std::size_t scans = 0;
+  std::size_t fixes = 0;
+  std::size_t ambiguous = 0;
+  std::size_t wrong = 0;
+  double rms_m = 0.0;
+  double max_m = 0.0;
+  std::uint32_t map = 0;
+  std::vector<double> milliseconds;  // one core, detection and association
+};
+
+Outcome drive(const World& world, const core::Config& config, const SweepConfig& sweep, const DriveConfig& way,
+              std::uint64_t seed) {
+  Outcome outcome;
+  const auto stands = make_drive(world, way, seed);
+  EXPECT_TRUE(stands) << stands.error().message;
+  firmware::Pipeline pipeline(config);
+  std::vector<TimedPose> truth;
+  std::vector<TimedPose> trajectory;
+  for (std::size_t i = 0; i < stands->size(); ++i) {
+    const Stand& stand = (*stands)[i];
+    const auto scanlines = scan(world, sweep, stand.pose, stand.time_s, 1000 * seed + i);
+    const auto begin = std::chrono::steady_clock::now();
+    const core::Fix fix = pipeline.process(scanlines, {}, {});
+    outcome.milliseconds.push_back(
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+    truth.push_back({static_cast<double>(i), stand.pose});
+    ++outcome.scans;
+    outcome.ambiguous += fix.status == core::FixStatus::Ambiguous ? 1 : 0;
+    outcome.map = fix.landmarks_in_map;
+    if (fix.status == core::FixStatus::Fix) {
+      trajectory.push_back({static_cast<double>(i), fix.pose_W});
+    }
+  }
+  const auto evaluation = evaluate(truth, trajectory);
+  EXPECT_TRUE(evaluation);
+  outcome.fixes = evaluation->fixes;
+  if (evaluation->first_fix) {
+    outcome.wrong = evaluation->first_fix->wrong_fixes;
+    outcome.rms_m = evaluation->first_fix->ate_rms_m;
+    outcome.max_m = evaluation->first_fix->ate_max_m;
+  }
+  return outcome;
+}
+
+struct Case {
+  const char* world;
+  int experiment;
+  double fixes_share_min;  ///< of all scans of all seeds
+};
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.world << ", experiment " << c.experiment; }
+
+class Experiments : public testing::TestWithParam<Case> {};
+
+TEST_P(Experiments, FixWithoutAWrongOne) {
+  const auto [world_name, experiment, fixes_share_min] = GetParam();
+  const auto config = firmware::load_config(kConfigDir / ("experiment-" + std::to_string(experiment) + ".toml"));
+  ASSERT_TRUE(config) << firmware::error_lines(config.error());
+  auto world_config = load_world(kConfigDir / "worlds" / world_name);
+  ASSERT_TRUE(world_config) << world_config.error().message;
+  const SweepConfig sweep = experiment <= 2 ? paper_sweep_1_2() : paper_sweep_3_4();
+  DriveConfig way;
+  way.stands = 20;
+  way.step_m = 5.0;
+  way.kidnap_share = 0.1;
+  Outcome all;
+  std::printf("%-16s seed  fixes ambiguous wrong  rms m  max m   map  median ms\n", world_name);
+  for (std::uint64_t seed = 1; seed <= seed_count(); ++seed) {
+    world_config->seed = 100 + seed;
+    const auto world = World::create(*world_config);
+    ASSERT_TRUE(world) << world.error().message;
+    Outcome one = drive(*world, config->config.core, sweep, way, seed);
+    std::sort(one.milliseconds.begin(), one.milliseconds.end());
+    std::printf("experiment %d %9llu %3zu/%zu %9zu %5zu %6.3f %6.3f %5u %10.2f\n", experiment,
+                static_cast<unsigned long long>(seed), one.fixes, one.scans, one.ambiguous, one.wrong, one.rms_m,
+                one.max_m, one.map, one.milliseconds[one.milliseconds.size() / 2]);
+    EXPECT_EQ(one.wrong, 0U) << "seed " << seed;
+    all.scans += one.scans;
+    all.fixes += one.fixes;
+  }
+  EXPECT_GE(static_cast<double>(all.fixes), fixes_share_min * static_cast<double>(all.scans));
+}
+
+// A plantation of rows looks the same from many places: there, only silence is asked for, no fixes.
+INSTANTIATE_TEST_SUITE_P(Worlds, Experiments,
+                         testing::Values(Case{"bush.toml", 1, 0.85}, Case{"bush.toml", 2, 0.9},
+                                         Case{"bush.toml", 3, 0.9}, Case{"bush.toml", 4, 0.9},
+                                         Case{"park.toml", 1, 0.5}, Case{"park.toml", 3, 0.5},
+                                         Case{"plantation.toml", 1, 0.0}, Case{"plantation.toml", 3, 0.0}));
+
+}  // namespace
+}  // namespace slamsensor::tools
