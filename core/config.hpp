@@ -33,19 +33,26 @@ enum class PoseFit : std::uint8_t {
   Robust,        ///< matches far beyond a third of the tolerance hardly count
 };
 
+/// What leads among the poses that a search finds.
+enum class CandidateRank : std::uint8_t {
+  Significance,  ///< the one that chance explains least: matches, and how near they are
+  Matches,       ///< the one with the most matches (the paper)
+};
+
 /// Data association (DESIGN 2.3; the paper's section II-C).
 struct AssociationConfig {
   double tolerance_m = 0.5;           ///< epsilon: edge lengths and landmark positions agree within it
   std::uint32_t depth = 2;            ///< edges join landmarks up to this many mesh steps apart
   double order_share = 0.125;         ///< share of the vertex order that is searched for triangles
-  PoseFit fit = PoseFit::LeastSquares;
+  PoseFit fit = PoseFit::Robust;
+  CandidateRank rank = CandidateRank::Significance;
   bool exhaust_when_unsure = true;    ///< go on to the end of the order when the share gave no clear answer
   std::uint32_t landmarks_min = 3;    ///< a scan with fewer landmarks is not searched
 };
 
 /// When an associated pose is believed.
 enum class AcceptanceRule : std::uint8_t {
-  Computed,  ///< expected false alarms below a risk and a margin over the best pose elsewhere (DESIGN 2.3)
+  Computed,  ///< expected false alarms below a risk, a margin over the best pose elsewhere, and precise enough to be right
   Paper,     ///< the largest W wins; overlap is assumed
 };
 
@@ -53,6 +60,8 @@ struct AcceptanceConfig {
   AcceptanceRule rule = AcceptanceRule::Computed;
   double false_alarm_risk = 1e-4;  ///< expected number of chance poses as good as the answer, per scan
   double ambiguity_risk = 1e-2;    ///< chance that a rival pose elsewhere is the true one, given both are significant
+  double elsewhere_m = 1.0;        ///< a pose farther than this from the answer is elsewhere: one of the two is wrong
+  double elsewhere_rad = 2.0 * kDegree;  ///< so is a pose turned by more than this
 };
 
 /// How a matched landmark's place in the map follows what was seen.

@@ -3,21 +3,13 @@
 #include <cmath>
 
 namespace slamsensor::core {
-namespace {
-
-// Matches within the tolerance are expected to have this spread, as a share of it, before any residual is seen.
-constexpr double kPriorSigmaShare = 1.0 / 3.0;
-
-}  // namespace
-
 Verdict associate(std::span<const Point2> scan_L, const MapView& map, const Config& config, const Deadline& deadline,
                   PaperSearch& search, Candidates& found) noexcept {
-  const double tolerance_m = config.association.tolerance_m;
   search.search(scan_L, map, config.mapping.hypotheses_max, deadline, found);
-  Verdict verdict = judge(found, scan_L, map, tolerance_m, config.acceptance);
+  Verdict verdict = judge(found, scan_L, map, config.association.tolerance_m, config.acceptance);
   if (verdict.status != FixStatus::Fix && found.end == SearchEnd::Share && config.association.exhaust_when_unsure) {
     search.search_rest(deadline, found);
-    verdict = judge(found, scan_L, map, tolerance_m, config.acceptance);
+    verdict = judge(found, scan_L, map, config.association.tolerance_m, config.acceptance);
   }
   return verdict;
 }
@@ -34,8 +26,7 @@ void describe(const Verdict& verdict, const Candidates& found, std::size_t candi
   const Candidate& chosen = found.list[candidate];
   fix.pose_W = chosen.pose_W;
   fix.matches = static_cast<std::uint32_t>(chosen.matches.size());
-  fix.covariance = pose_covariance(chosen.pose_W, chosen.matches.span(), scan_L, map.positions_W,
-                                   kPriorSigmaShare * config.association.tolerance_m);
+  fix.covariance = candidate_covariance(chosen, scan_L, map.positions_W, config.association.tolerance_m);
 }
 
 }  // namespace slamsensor::core

@@ -19,11 +19,17 @@ struct Candidate {
   MatchList matches;                       ///< one to one, by increasing scan landmark
   std::array<std::uint32_t, 3> triangle{}; ///< the map landmarks that triangulated it first
   double residual_m2 = 0.0;                ///< sum of squared distances over `matches`
+  double log10_chance = 0.0;               ///< bound on the chance that a wrong pose does as well (significance.hpp)
 
-  /// More matches are better; among equals the smaller residual.
-  [[nodiscard]] bool better_than(const Candidate& other) const noexcept {
+  /// More matches are better; among equals the smaller residual (the paper).
+  [[nodiscard]] bool matches_more_than(const Candidate& other) const noexcept {
     return matches.size() != other.matches.size() ? matches.size() > other.matches.size()
                                                   : residual_m2 < other.residual_m2;
+  }
+
+  /// Less likely to be chance is better; among equals as the paper.
+  [[nodiscard]] bool more_significant_than(const Candidate& other) const noexcept {
+    return log10_chance != other.log10_chance ? log10_chance < other.log10_chance : matches_more_than(other);
   }
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/association/significance.hpp"
 #include "core/association/triangulation.hpp"
 
 namespace slamsensor::core {
@@ -244,6 +245,7 @@ void PaperSearch::try_pose(const Pose2& pose_W, const std::array<std::uint32_t, 
   std::optional<Candidate> candidate = scorer_.refine(pose_W, scan_L_, *map_);
   if (candidate && candidate->matches.size() >= kInliersMin) {
     candidate->triangle = triangle;
+    candidate->log10_chance = log10_chance(*candidate, scan_L_, *map_, config_.tolerance_m);
     keep(*candidate, found);
   }
 }
@@ -255,10 +257,14 @@ void PaperSearch::mark(const MatchList& matches, std::uint32_t slot, bool covere
   }
 }
 
+bool PaperSearch::leads(const Candidate& a, const Candidate& b) const noexcept {
+  return config_.rank == CandidateRank::Matches ? a.matches_more_than(b) : a.more_significant_than(b);
+}
+
 /// Inserts the candidate in order, unless a better one at the same place has the same matches or `variants_max_` better
 /// ones are there already; drops what it makes superfluous.
 void PaperSearch::keep(const Candidate& candidate, Candidates& found) noexcept {
-  const double same_place_m = 2.0 * config_.tolerance_m;
+  const double same_place_m = config_.tolerance_m;
   const double same_pose_m = 0.1 * config_.tolerance_m;
   const auto drop = [&](std::size_t i) {
     mark(found.list[i].matches, slot_of_[i], false);
@@ -273,7 +279,7 @@ void PaperSearch::keep(const Candidate& candidate, Candidates& found) noexcept {
   std::uint32_t better_here = 0;
   for (std::size_t i = 0; i < found.list.size();) {
     const double apart_m = moments_.displacement_m(found.list[i].pose_W, candidate.pose_W);
-    if (!candidate.better_than(found.list[i])) {
+    if (!leads(candidate, found.list[i])) {
       better_here += apart_m <= same_place_m ? 1 : 0;
       if (apart_m <= same_pose_m || better_here >= variants_max_) {
         return;
@@ -286,7 +292,7 @@ void PaperSearch::keep(const Candidate& candidate, Candidates& found) noexcept {
     }
   }
   if (found.list.size() == kCandidatesMax) {
-    if (!candidate.better_than(found.list.back())) {
+    if (!leads(candidate, found.list.back())) {
       return;
     }
     drop(kCandidatesMax - 1);
@@ -296,7 +302,7 @@ void PaperSearch::keep(const Candidate& candidate, Candidates& found) noexcept {
   mark(candidate.matches, slot, true);
   std::size_t place = found.list.size();
   SLAMSENSOR_ASSERT(found.list.try_push_back(candidate) && slot_of_.try_push_back(slot));
-  for (; place > 0 && candidate.better_than(found.list[place - 1]); --place) {
+  for (; place > 0 && leads(candidate, found.list[place - 1]); --place) {
     found.list[place] = found.list[place - 1];
     slot_of_[place] = slot_of_[place - 1];
   }

@@ -50,6 +50,7 @@ class PaperSearch {
   void visit(Vertex vertex, Candidates& found) noexcept;
   void try_triangle(const Neighbour& a, const Neighbour& b, const Neighbour& c, Candidates& found) noexcept;
   void try_pose(const Pose2& pose_W, const std::array<std::uint32_t, 3>& triangle, Candidates& found) noexcept;
+  [[nodiscard]] bool leads(const Candidate& a, const Candidate& b) const noexcept;
   void keep(const Candidate& candidate, Candidates& found) noexcept;
   [[nodiscard]] bool map_edge_fits(std::uint32_t a, std::uint32_t b, double length_m) const noexcept;
   [[nodiscard]] bool searched_before(Vertex a, Vertex b) const noexcept;

@@ -105,7 +105,7 @@ std::optional<Candidate> PoseScorer::refine(const Pose2& pose_W, std::span<const
     if (current.matches.size() < 3) {
       return best;
     }
-    if (!best || current.better_than(*best)) {
+    if (!best || current.matches_more_than(*best)) {
       best = current;
     }
     if (round > 0 && same_matches(before, current.matches)) {

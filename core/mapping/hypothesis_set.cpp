@@ -93,7 +93,6 @@ HypothesisSet::Generation HypothesisSet::spawn() const noexcept {
     }
     generation[place] = offspring;
   };
-  const ScanMoments moments(scan_B_.span());
   for (std::uint32_t h = 0; h < kept_.size(); ++h) {
     const std::uint64_t weight = pool_[kept_[h]]->weight;
     const Litter& litter = litters_[h];
@@ -104,8 +103,7 @@ HypothesisSet::Generation HypothesisSet::spawn() const noexcept {
     for (std::size_t c = 0; c < litter.found.list.size(); ++c) {
       const Candidate& candidate = litter.found.list[c];
       if (config_.acceptance.rule == AcceptanceRule::Paper ||
-          moments.displacement_m(candidate.pose_W, litter.found.list[0].pose_W) <=
-              2.0 * config_.association.tolerance_m) {
+          !elsewhere(candidate.pose_W, litter.found.list[0].pose_W, config_.acceptance)) {
         insert({h, static_cast<std::int32_t>(c), weight + candidate.matches.size()});
       }
     }

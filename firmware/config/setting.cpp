@@ -85,6 +85,7 @@ constexpr ChoiceSetting choice(std::span<const std::string_view> names) {
 // Names of the enumerators, in their order.
 constexpr std::string_view kPoints[] = {"hull_centroid", "reading_mean"};
 constexpr std::string_view kFits[] = {"least_squares", "robust"};
+constexpr std::string_view kRanks[] = {"significance", "matches"};
 constexpr std::string_view kRules[] = {"computed", "paper"};
 constexpr std::string_view kUpdates[] = {"paper", "mean"};
 constexpr std::string_view kOrders[] = {"weight", "diameter", "nearest"};
@@ -157,6 +158,8 @@ const Setting kSettings[] = {
      real<kCore, kAssociation, &AssociationConfig::order_share>(0.0001, 1.0)},
     {"association.fit", "", "Every match counts alike in the pose (paper), or those far off hardly count.",
      choice<kCore, kAssociation, &AssociationConfig::fit>(kFits)},
+    {"association.rank", "", "The candidate that chance explains least leads, or the one with most matches (paper).",
+     choice<kCore, kAssociation, &AssociationConfig::rank>(kRanks)},
     {"association.exhaust_when_unsure", "", "Go on to the end of the order when the share gave no clear answer.",
      boolean<kCore, kAssociation, &AssociationConfig::exhaust_when_unsure>()},
     {"association.landmarks_min", "", "A scan with fewer landmarks is not searched.",
@@ -168,6 +171,10 @@ const Setting kSettings[] = {
      real<kCore, kAcceptance, &AcceptanceConfig::false_alarm_risk>(1e-12, 1.0)},
     {"acceptance.ambiguity_risk", "", "Accepted chance that a rival pose elsewhere is the true one.",
      real<kCore, kAcceptance, &AcceptanceConfig::ambiguity_risk>(1e-12, 1.0)},
+    {"acceptance.elsewhere_m", "m", "A pose farther from the answer than this is elsewhere: one of the two is wrong.",
+     real<kCore, kAcceptance, &AcceptanceConfig::elsewhere_m>(0.001, 1000.0)},
+    {"acceptance.elsewhere_deg", "deg", "So is a pose turned by more than this.",
+     degrees<kCore, kAcceptance, &AcceptanceConfig::elsewhere_rad>(0.001, 180.0)},
 
     {"mapping.hypotheses_max", "", "Lambda_max: hypotheses kept, each with a map of its own.",
      integer<kCore, kMapping, &MappingConfig::hypotheses_max>(1, core::kHypothesesMax)},

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/association/acceptance.hpp"
+#include "core/association/associate.hpp"
 #include "core/association/paper_search.hpp"
 #include "core/config.hpp"
 #include "core/mapping/landmark_map.hpp"
@@ -26,7 +26,7 @@ class CoreMatcher {
 
   struct Answer {
     core::FixStatus status = core::FixStatus::NoFix;
-    core::Pose2 pose_W;  ///< when the status is not NoFix
+    core::Pose2 pose_W;  ///< of the best candidate, if there is one
   };
   [[nodiscard]] Answer locate(std::span<const core::Point2> scan_L);
 
@@ -34,9 +34,7 @@ class CoreMatcher {
   [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }
 
  private:
-  Effort effort_;
-  core::AssociationConfig config_;
-  core::Capacities capacities_;
+  core::Config config_;
   tests::InArena<core::LandmarkMap> map_;
   tests::InArena<core::PaperSearch> search_;
   std::unique_ptr<core::Candidates> found_ = std::make_unique<core::Candidates>();

@@ -73,6 +73,8 @@ Walk crowded_walk() {
     EXPECT_GE(count(fixes, FixStatus::Fix), 20);
     EXPECT_TRUE(best.map.full());
     EXPECT_GT(best.landmarks_evicted, 0U);
+    EXPECT_EQ(best.landmarks_evicted + best.map.size(), best.next_id)
+        << "a landmark left uncounted, or counted twice";
     EXPECT_GT(best.path_thinnings, 1U);
     EXPECT_GT(best.map.view().graph.edges_dropped(), 0U);
     EXPECT_GT(slam.hypotheses().counters().landmarks_cut, 0U);
@@ -106,22 +108,24 @@ Walk symmetric_walk() {
   return walk;
 }
 
-/// All edges are about as long as the tolerance: a correspondence has more neighbours than are combined, the
-/// search more candidates than it keeps.
+/// Many edges within a tolerance of each other: a correspondence has more neighbours than are combined. Such
+/// a vertex costs near a second, so only the first one is visited.
 Walk dense_walk() {
   const Forest rows{plantation(9, 1.5), 13.5};
   core::Config config = small_config();
   config.capacities.scan_landmarks = core::kScanLandmarksMax;
-  config.association.depth = 6;
-  config.association.tolerance_m = 1.4;
+  config.association.depth = 4;
+  config.association.tolerance_m = 1.0;
+  config.association.order_share = 1e-9;
+  config.association.exhaust_when_unsure = false;
   Draw draw(kSeed + 6);
-  const auto expect = [](const Walk&, const Slam& slam, const std::vector<Fix>&) {
+  const auto expect = [](const Walk&, const Slam& slam, const std::vector<Fix>& fixes) {
     EXPECT_GT(slam.hypotheses().counters().neighbours_dropped, 0U);
-    EXPECT_GT(slam.hypotheses().counters().searches_cut, 0U);
+    EXPECT_EQ(fixes.back().search_end, core::SearchEnd::Share);
   };
   Walk walk{config, {}, expect};
   walk.scans.push_back({as_landmarks(scan_forest(rows, {}, {81, 0.0, 0, 0.02}, draw)), {}});
-  walk.scans.push_back({as_landmarks(scan_forest(rows, {0.3, 0.1, 0.2}, {81, 0.0, 0, 0.02}, draw)), {}, 2});
+  walk.scans.push_back({as_landmarks(scan_forest(rows, {0.3, 0.1, 0.2}, {81, 0.0, 0, 0.02}, draw)), {}});
   return walk;
 }
 
@@ -173,9 +177,9 @@ Walk options_walk(core::LandmarkUpdate update, core::AcceptanceRule rule) {
     EXPECT_GT(fixes.back().weight_runner_up, 0U) << "there is a single hypothesis";
     const core::Hypothesis& best = slam.hypotheses().best();
     EXPECT_LT(best.map.size() + best.landmarks_evicted, best.next_id) << "nothing was forgotten";
-    EXPECT_GT(fixes.back().error_xi, 1U);
+    EXPECT_TRUE(std::any_of(fixes.begin(), fixes.end(), [](const Fix& fix) { return fix.error_xi > 1; }));
   };
-  return {config, stroll(forest, 20, 1.5, {24, 0.2, 3, 0.2}, draw), expect};
+  return {config, stroll(forest, 30, 1.5, {24, 0.2, 3, 0.2}, draw), expect};
 }
 
 /// The range to the nearest of the trees (m, radius 0.3 m) along a bearing, or no return within 40 m.
@@ -216,7 +220,7 @@ Walk readings_walk(core::LandmarkPoint point, std::uint32_t cells) {
   config.capacities.occupied_cells = cells;
   const auto expect = [](const Walk& walk, const Slam& slam, const std::vector<Fix>& fixes) {
     EXPECT_GE(count(fixes, FixStatus::Fix), 4);
-    EXPECT_GE(slam.landmarks().size(), 20U);
+    EXPECT_GE(slam.landmarks().size(), 15U);
     expect_detector_events(walk);
   };
   Walk walk{config, {}, expect};
@@ -273,7 +277,7 @@ std::vector<NamedWalk> all_walks() {
   return {{"DefaultCapacities", default_walk},
           {"FullCapacities", crowded_walk},
           {"Symmetric", symmetric_walk},
-          {"MoreThanTheSearchKeeps", dense_walk},
+          {"MoreNeighboursThanAreCombined", dense_walk},
           {"RefusedCutAndReset", refused_walk},
           {"PropagateUnderThePaperRule",
            [] { return options_walk(LandmarkUpdate::Paper, AcceptanceRule::Paper); }},

@@ -132,7 +132,7 @@ TEST_P(PaperProfile, HasThePapersValuesAndBelievesNothingByChance) {
   EXPECT_DOUBLE_EQ(config.detection.tilt_max_rad, GetParam().tilt_max_deg * core::kDegree);
   EXPECT_EQ(config.association.tolerance_m, GetParam().tolerance_m);
   EXPECT_EQ(config.association.order_share, 0.125);
-  EXPECT_EQ(config.association.fit, core::PoseFit::LeastSquares);
+  EXPECT_EQ(config.association.depth, 2U);
   EXPECT_TRUE(config.association.exhaust_when_unsure);
   EXPECT_EQ(config.mapping.prune_share, 0.0);
   EXPECT_EQ(config.acceptance.rule, core::AcceptanceRule::Computed);

@@ -32,12 +32,15 @@ TEST(Candidate, MoreMatchesFirstThenTheSmallerResidual) {
   Candidate b;
   ASSERT_TRUE(a.matches.try_push_back({0, 0}));
   a.residual_m2 = 9.0;
-  EXPECT_TRUE(a.better_than(b));
-  EXPECT_FALSE(b.better_than(a));
+  EXPECT_TRUE(a.matches_more_than(b));
+  EXPECT_FALSE(b.matches_more_than(a));
   ASSERT_TRUE(b.matches.try_push_back({0, 1}));
   b.residual_m2 = 1.0;
-  EXPECT_TRUE(b.better_than(a));
-  EXPECT_FALSE(a.better_than(a));
+  EXPECT_TRUE(b.matches_more_than(a));
+  EXPECT_FALSE(a.matches_more_than(a));
+  EXPECT_TRUE(b.more_significant_than(a));  // equally unlikely to be chance: as the paper
+  a.log10_chance = -3.0;
+  EXPECT_TRUE(a.more_significant_than(b));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "core/association/false_alarms.hpp"
 
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -35,20 +36,30 @@ TEST(FalseAlarms, TailAtItsEnds) {
   EXPECT_NEAR(log10_binomial_tail(100, 100, 1e-9), -900.0, 1e-6);  // no underflow
 }
 
-// By hand: 20 landmarks, chance 0.01 each, 8 matched, 10^4 poses. 17 trials, 5 hits: C(17,5) 1e-10 0.99^12 = 5.5e-7.
+// By hand: 20 landmarks, 8 matched at the very tolerance, chance 0.01 each. 17 trials, 5 hits: C(17,5) 1e-10 0.99^12 =
+// 5.5e-7 is the smallest tail, and 5 were looked at.
 TEST(FalseAlarms, MatchesAHandWorkedCase) {
-  EXPECT_NEAR(log10_expected_false_alarms(10'000, 20, 8, 0.01), std::log10(5.5e-7) + 4.0, 0.02);
+  const std::vector<double> shares(8, 1.0);
+  EXPECT_NEAR(log10_chance_of_matches(20, shares, 0.01), std::log10(5.0 * 5.5e-7), 0.02);
 }
 
 TEST(FalseAlarms, ThreeMatchesSayNothing) {
-  EXPECT_EQ(log10_expected_false_alarms(1000, 20, 3, 0.01), 3.0);
-  EXPECT_EQ(log10_expected_false_alarms(0, 20, 2, 0.01), 0.0);
+  EXPECT_EQ(log10_chance_of_matches(20, std::vector<double>(3, 0.1), 0.01), 0.0);
+  EXPECT_EQ(log10_chance_of_matches(2, {}, 0.01), 0.0);
 }
 
-TEST(FalseAlarms, MoreMatchesFewerPosesAndThinnerMapsAreMoreConvincing) {
-  EXPECT_LT(log10_expected_false_alarms(1000, 20, 9, 0.01), log10_expected_false_alarms(1000, 20, 8, 0.01));
-  EXPECT_LT(log10_expected_false_alarms(100, 20, 9, 0.01), log10_expected_false_alarms(1000, 20, 9, 0.01));
-  EXPECT_LT(log10_expected_false_alarms(1000, 20, 9, 0.005), log10_expected_false_alarms(1000, 20, 9, 0.01));
+TEST(FalseAlarms, MoreMatchesNearerMatchesAndThinnerMapsAreMoreConvincing) {
+  const std::vector<double> eight(8, 0.5);
+  EXPECT_LT(log10_chance_of_matches(20, std::vector<double>(9, 0.5), 0.01), log10_chance_of_matches(20, eight, 0.01));
+  EXPECT_LT(log10_chance_of_matches(20, std::vector<double>(8, 0.1), 0.01), log10_chance_of_matches(20, eight, 0.01));
+  EXPECT_LT(log10_chance_of_matches(20, eight, 0.005), log10_chance_of_matches(20, eight, 0.01));
+}
+
+TEST(FalseAlarms, AStrayMatchDoesNotSpoilNearOnes) {
+  std::vector<double> shares(9, 0.02);
+  const double without = log10_chance_of_matches(20, shares, 0.02);
+  shares.push_back(1.0);
+  EXPECT_LE(log10_chance_of_matches(20, shares, 0.02), without + 0.1);
 }
 
 TEST(FalseAlarms, RivalChanceIsTheSignTest) {
