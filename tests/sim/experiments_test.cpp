@@ -96,8 +96,9 @@ TEST_P(Experiments, FixWithoutAWrongOne) {
   way.kidnap_share = 0.1;
   Outcome all;
   std::printf("%-16s seed  fixes ambiguous wrong  rms m  max m   map  median ms\n", world_name);
-  for (std::uint64_t seed = 1; seed <= seed_count(); ++seed) {
-    world_config->seed = 100 + seed;
+  for (std::uint64_t n = 1; n <= seed_count(); ++n) {
+    const std::uint64_t seed = 1000 * static_cast<std::uint64_t>(experiment) + n;  // each experiment its own worlds
+    world_config->seed = seed;
     const auto world = World::create(*world_config);
     ASSERT_TRUE(world) << world.error().message;
     Outcome one = drive(*world, config->config.core, sweep, way, seed);

@@ -1,0 +1,172 @@
+"""The command slamsensor as a user calls it: exit status, messages, files. Usage: cli_test.py SLAMSENSOR CONFIG_DIR"""
+
+import filecmp
+import json
+import math
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAM, CONFIG = sys.argv[1], pathlib.Path(sys.argv[2])
+OK, USAGE, DATAERR, NOINPUT, CANTCREAT, CONFIGERR = 0, 64, 65, 66, 73, 78
+
+
+def run(*arguments):
+    done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+    return done.returncode, done.stdout, done.stderr
+
+
+def pcd(points, declared=None, data="binary"):
+    count = len(points) if declared is None else declared
+    header = (f"# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {count}\nHEIGHT 1\n"
+              f"VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {count}\nDATA {data}\n").encode()
+    return header + b"".join(struct.pack("<fff", *p) for p in points)
+
+
+class Cli(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self.temporary.name)
+        self.out = self.folder / "out"
+
+    def tearDown(self):
+        self.temporary.cleanup()
+
+    def write(self, name, content):
+        path = self.folder / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    def refused(self, path, *fragments, status=(DATAERR, NOINPUT), out=None):
+        code, _, errors = run("replay", "--out", out or self.out, path)
+        self.assertIn(code, status, errors)
+        self.assertEqual(errors.count("fault of the program"), 0, errors)
+        for fragment in fragments:
+            self.assertIn(fragment, errors)
+
+    def test_no_verb_and_unknown_verbs_are_usage_errors(self):
+        self.assertEqual(run()[0], USAGE)
+        self.assertEqual(run("fly")[0], USAGE)
+        self.assertEqual(run("replay")[0], USAGE)
+        self.assertEqual(run("--help")[0], OK)
+
+    def test_truncated_pcd(self):
+        self.refused(self.write("scan_1.pcd", pcd([(1, 2, 3)], declared=5)), "scan_1.pcd")
+
+    def test_absurd_pcd(self):
+        self.refused(self.write("scan_1.pcd", pcd([(1, 2, 3)], declared=4_000_000_000_000)), "scan_1.pcd")
+        self.refused(self.write("scan_2.pcd", b"# .PCD v0.7\nFIELDS a b\n"), "scan_2.pcd")
+        self.refused(self.write("scan_3.pcd", pcd([(math.inf, 0, 0)])), "scan_3.pcd")
+
+    def test_pcd_of_nan_alone_has_no_landmarks(self):
+        code, output, errors = run("replay", "--out", self.out, self.write("scan_1.pcd", pcd([(math.nan,) * 3])))
+        self.assertEqual(code, OK, errors)
+        self.assertIn("too_few_landmarks", output)
+
+    def test_readings_that_are_none(self):
+        head = "pan_deg,tilt_deg,range_m\n"
+        self.refused(self.write("scan_1.csv", head + "0,0,-1\n"), "scan_1.csv:2", "-1")
+        self.refused(self.write("scan_2.csv", head + "0,nan,1\n"), "scan_2.csv:2", "nan")
+        self.refused(self.write("scan_3.csv", head + "0,0\n"), "scan_3.csv:2")
+        self.refused(self.write("scan_4.csv", "pan_deg,tilt_deg\n0,0\n"), "scan_4.csv")
+        self.refused(self.write("scan_5.csv", ""), "scan_5.csv")
+        self.refused(self.write("scan_6.csv", head), "scan_6.csv")
+
+    def test_landmarks_that_are_none(self):
+        self.refused(self.write("l1.csv", "scan,x_m,y_m\n0,1,zwei\n"), "l1.csv:2", "zwei")
+        self.refused(self.write("l2.csv", "scan,x_m,y_m\n-1,1,2\n"), "l2.csv:2")
+        self.refused(self.write("l3.csv", "scan,x_m\n0,1\n"), "l3.csv")
+
+    def test_duplicate_scans_name_both_files(self):
+        for name in ("a_007.pcd", "b_7.pcd"):
+            self.write(name, pcd([(1, 2, 3)]))
+        self.refused(self.folder, "a_007.pcd", "b_7.pcd", status=(NOINPUT,))
+
+    def test_missing_input_truth_and_config(self):
+        self.refused(self.folder / "absent", "absent", status=(NOINPUT,))
+        scan = self.write("scan_1.pcd", pcd([(1, 2, 3)]))
+        self.assertEqual(run("replay", "--truth", self.folder / "t", "--out", self.out, scan)[0], DATAERR)
+        self.assertEqual(run("replay", "--config", self.folder / "c", "--out", self.out, scan)[0], CONFIGERR)
+
+    def test_out_that_is_a_file(self):
+        scan = self.write("scan_1.pcd", pcd([(1, 2, 3)]))
+        self.refused(scan, "--out", status=(CANTCREAT,), out=self.write("file", "x") / "out")
+
+    def test_configuration_mistakes_are_told_all_at_once(self):
+        bad = self.write("bad.toml", "[association]\ntolerence_m = 1\ndepth = -3\n[detection]\nrange_max_m = 'far'\n")
+        code, _, errors = run("check-config", bad)
+        self.assertEqual(code, CONFIGERR)
+        for fragment in ("bad.toml:2", "tolerance_m", "bad.toml:3", "bad.toml:5"):
+            self.assertIn(fragment, errors)
+
+    def test_set_lies_on_top_of_the_file_and_says_so(self):
+        code, output, _ = run("check-config", CONFIG / "experiment-2.toml", "--set", "association.tolerance_m=0.7",
+                              "--set", "acceptance.rule=paper")
+        self.assertEqual(code, OK)
+        lines = {line.split()[0]: line for line in output.splitlines() if line.strip()}
+        self.assertIn("0.7", lines["association.tolerance_m"])
+        self.assertIn("--set", lines["association.tolerance_m"])
+        self.assertIn("experiment-2.toml", lines["detection.landmarks_max"])
+        self.assertIn('"paper"', lines["acceptance.rule"])
+        self.assertEqual(run("check-config", "--set", "acceptance.rule=maybe")[0], CONFIGERR)
+
+    def test_memory_plan_adds_up(self):
+        code, output, _ = run("memory")
+        self.assertEqual(code, OK)
+        rows = output.splitlines()[1:]
+        self.assertEqual(sum(int(row.split()[-1]) for row in rows[:-1]), int(rows[-1].split()[-1]))
+
+    def test_edges_draws_the_curve(self):
+        code, output, _ = run("edges", "--points", 200, "--depth", 4, "--sets", 2, "--out", self.folder / "e.svg")
+        self.assertEqual(code, OK)
+        edges = [int(line.split()[1]) for line in output.splitlines()[1:]]
+        self.assertEqual(edges, sorted(edges))
+        self.assertIn("</svg>", (self.folder / "e.svg").read_text())
+
+    def simulate(self):
+        scans = self.folder / "scans"
+        code, _, errors = run("simulate", CONFIG / "worlds/bush.toml", "--out", scans, "--scans", 4, "--experiment", 3)
+        self.assertEqual(code, OK, errors)
+        return scans
+
+    def test_simulate_replay_eval(self):
+        scans = self.simulate()
+        for out in ("a", "b"):
+            code, output, errors = run("replay", "--no-times", "--config", CONFIG / "experiment-3.toml", "--truth",
+                                       scans / "truth.tum", "--out", self.folder / out, scans)
+            self.assertEqual(code, OK, errors)
+        names = ["trajectory.tum", "fixes.csv", "map.csv", "track.nmea", "plot.svg"]
+        self.assertEqual(filecmp.cmpfiles(self.folder / "a", self.folder / "b", names, shallow=False), (names, [], []))
+        code, output, _ = run("eval", "--json", "--truth", scans / "truth.tum", self.folder / "a/trajectory.tum")
+        self.assertEqual(code, OK)
+        self.assertEqual(json.loads(output)["wrong_fixes"], 0)
+        self.assertGreaterEqual(json.loads(output)["fixes"], 3)
+
+    def test_locate_finds_the_map_in_itself(self):
+        points = [(1.0, 2.0), (9.0, -3.0), (-6.0, 4.0), (12.0, 11.0), (-3.0, -13.0), (17.0, 2.5), (-14.0, -2.0),
+                  (5.0, 16.0), (-11.0, 13.0), (3.0, -7.0), (20.0, -12.0), (-19.0, 8.0)]
+        m = self.write("map.csv", "id,x_m,y_m\n" + "".join(f"{i},{x},{y}\n" for i, (x, y) in enumerate(points)))
+        s = self.write("scans.csv", "scan,x_m,y_m\n" + "".join(f"5,{y},{-x}\n" for x, y in points))
+        poses = self.folder / "poses.csv"
+        code, output, errors = run("locate", "--map", m, "--scans", s, "--out", poses)
+        self.assertEqual(code, OK, errors)
+        header, row = poses.read_text().split()
+        self.assertEqual(header, "scan,status,x_m,y_m,heading_rad,matches,expected_false_alarms,milliseconds")
+        cells = row.split(",")
+        self.assertEqual(cells[:2], ["5", "fix"])
+        self.assertAlmostEqual(float(cells[4]), math.pi / 2, places=6)
+        self.assertEqual(cells[5], "12")
+
+    def test_full_disk_is_an_error(self):
+        if not pathlib.Path("/dev/full").exists():
+            self.skipTest("no /dev/full here")
+        code, _, errors = run("edges", "--points", 50, "--depth", 2, "--sets", 1, "--out", "/dev/full")
+        self.assertEqual(code, CANTCREAT)
+        self.assertIn("/dev/full", errors)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0]], verbosity=1)

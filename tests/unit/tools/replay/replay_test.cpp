@@ -1,0 +1,142 @@
+#include "tools/replay/replay.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/forest.hpp"
+#include "tools/replay/replay_report.hpp"
+
+namespace slamsensor::tools {
+namespace {
+
+class ReplayTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* const info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::path(testing::TempDir()) / (std::string("replay_") + info->name());
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    config_.core.capacities.map_landmarks = 500;
+    config_.core.capacities.map_edges = 7000;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path write(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  static std::string read(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  /// A landmark list of a walk through a forest, and one scan of another forest.
+  std::filesystem::path walk() {
+    tests::Draw draw(1);
+    const tests::Forest forest = tests::make_forest(100, draw);
+    const tests::Forest elsewhere = tests::make_forest(100, draw);
+    std::ostringstream list;
+    list << "scan,x_m,y_m,diameter_m,weight\n";
+    for (int i = 0; i < 10; ++i) {
+      const bool foreign = i == 6;
+      for (const core::Point2& p : tests::scan_forest(foreign ? elsewhere : forest, {1.5 * i - 8.0, 2.0, 0.1 * i},
+                                                      {24, 0.1, 1, 0.05}, draw)) {
+        list << 10 * i << ',' << p.x() << ',' << p.y() << ",0.3,1\n";
+      }
+    }
+    return write("landmarks.csv", list.str());
+  }
+
+  std::filesystem::path folder_;
+  firmware::Config config_;
+};
+
+TEST_F(ReplayTest, ARowPerScanNamedAsTheInputNamesThem) {
+  const auto result = replay({walk()}, config_);
+  ASSERT_TRUE(result) << result.error().message;
+  ASSERT_EQ(result->rows.size(), 10U);
+  for (std::size_t i = 0; i < 10; ++i) {
+    EXPECT_EQ(result->rows[i].scan, static_cast<std::int64_t>(10 * i));
+    EXPECT_EQ(result->rows[i].fix.status, i == 6 ? core::FixStatus::NoFix : core::FixStatus::Fix) << "scan " << i;
+    EXPECT_TRUE(result->rows[i].milliseconds.has_value());
+  }
+  EXPECT_FALSE(result->map.empty());
+  EXPECT_EQ(result->map.size(), result->matched.size());
+  EXPECT_EQ(result->map[0].first_scan, 0);
+  for (const MapRow& row : result->map) {
+    EXPECT_EQ(row.last_scan % 10, 0);
+    EXPECT_NE(row.first_scan, 60);  // the foreign scan brought nothing in
+  }
+}
+
+TEST_F(ReplayTest, TheSameInputGivesTheSameBytes) {
+  const auto input = walk();
+  for (const char* const out : {"a", "b"}) {
+    const auto result = replay({input}, config_);
+    ASSERT_TRUE(result);
+    ASSERT_TRUE(write_replay(*result, config_, {}, std::nullopt, MeasuredTimes::Empty, folder_ / out));
+  }
+  for (const char* const name : {"trajectory.tum", "fixes.csv", "map.csv", "track.nmea", "plot.svg"}) {
+    const std::string bytes = read(folder_ / "a" / name);
+    EXPECT_FALSE(bytes.empty()) << name;
+    EXPECT_EQ(bytes, read(folder_ / "b" / name)) << name;
+  }
+}
+
+TEST_F(ReplayTest, TrackSaysNoFixWithoutADatumAndCarriesTheLocalPose) {
+  const auto result = replay({walk()}, config_);
+  ASSERT_TRUE(result);
+  ASSERT_TRUE(write_replay(*result, config_, {}, std::nullopt, MeasuredTimes::Empty, folder_ / "out"));
+  const std::string track = read(folder_ / "out/track.nmea");
+  EXPECT_NE(track.find("$PSLMA,POSE,"), std::string::npos);
+  EXPECT_EQ(track.find(",N,"), track.find(",N,,"));  // no latitude anywhere
+  EXPECT_EQ(track.find("HDT"), std::string::npos);
+}
+
+TEST_F(ReplayTest, ABrokenScanIsRefusedAndTheRestGoesOn) {
+  const std::string good = "pan_deg,tilt_deg,range_m\n0,0,5\n1,0,5\n";
+  write("scan_001.csv", good);
+  write("scan_002.csv", "pan_deg,tilt_deg,range_m\n0,0,-5\n");
+  write("scan_003.csv", good);
+  std::size_t told = 0;
+  const auto result = replay({folder_}, config_, [&](std::size_t, std::size_t total, const FixRow&) {
+    ++told;
+    EXPECT_EQ(total, 3U);
+  });
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(result->rows.size(), 2U);
+  EXPECT_EQ(told, 2U);
+  ASSERT_EQ(result->refused.size(), 1U);
+  EXPECT_NE(result->refused[0].find("scan_002.csv"), std::string::npos);
+  EXPECT_NE(replay_summary(*result).find("and 1 refused"), std::string::npos);
+}
+
+TEST_F(ReplayTest, NothingToReplayIsAnError) {
+  EXPECT_FALSE(replay({folder_}, config_));
+  EXPECT_FALSE(replay({folder_ / "absent"}, config_));
+}
+
+TEST_F(ReplayTest, AFolderThatCannotBeMadeIsAnError) {
+  const auto result = replay({walk()}, config_);
+  ASSERT_TRUE(result);
+  const auto written = write_replay(*result, config_, {}, std::nullopt, MeasuredTimes::Empty,
+                                    write("file", "in the way") / "out");
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().message.find("--out"), std::string::npos);
+}
+
+TEST_F(ReplayTest, SummaryCountsTheReasons) {
+  const auto result = replay({walk()}, config_);
+  ASSERT_TRUE(result);
+  const std::string summary = replay_summary(*result);
+  EXPECT_NE(summary.find("fixes            9 (90.0 %)"), std::string::npos) << summary;
+  EXPECT_NE(summary.find("no_overlap         1"), std::string::npos) << summary;
+}
+
+}  // namespace
+}  // namespace slamsensor::tools
