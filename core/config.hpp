@@ -24,7 +24,7 @@ struct DetectionConfig {
   double tilt_max_rad = 90.0 * kDegree;          ///< scanlines above are left out
   double discard_share = 0.02;                   ///< readings dropped at each end of a scanline; 0 for a full turn
   std::uint32_t landmarks_max = 30;              ///< m_k, the heaviest that are kept
-  LandmarkPoint point = LandmarkPoint::HullCentroid;
+  LandmarkPoint point = LandmarkPoint::ReadingMean;
 };
 
 /// How a pose is fitted to its matches.

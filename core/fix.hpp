@@ -43,7 +43,7 @@ struct Fix {
   FixReason reason = FixReason::NoOverlap;
   SearchEnd search_end = SearchEnd::NotStarted;
   Pose2 pose_W;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x m, y m, heading rad) in W, 1 sigma squared
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x m, y m, heading rad) in W, 1 sigma squared, drift since the origin included
   std::uint32_t error_xi = 0;                            ///< triangulations between the scan and the origin
   std::uint32_t matches = 0;
   std::uint32_t landmarks_seen = 0;

@@ -62,7 +62,9 @@ def check(root):
                            f"{', '.join(sorted(MAY_SEE[room]))})")
             elif own is not None and own not in known:
                 add(match, f'"{own}" is no file of the house')
-            elif system and room != "core" and (system.split("/")[0] in MAY_SEE or (room != "tests" and TEST_ONLY.match(system))):
+            elif system and system.split("/")[0] in MAY_SEE and room != "core":
+                add(match, f"a header of the house stands in quotes: <{system}>")
+            elif system and TEST_ONLY.match(system) and room not in ("core", "tests"):
                 add(match, f"{room} must not include <{system}>")
         if room == "core":
             check_core(name, text, add)

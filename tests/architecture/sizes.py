@@ -27,6 +27,10 @@ def matching(text, opening):
     raise ValueError(f"line {house.line_of(text, opening)}: a brace that nothing closes")
 
 
+def is_type(head):
+    return TYPE.match(head) is not None and "(" not in re.sub(r"alignas\s*\([^)]*\)", "", head)
+
+
 def is_function(head):
     """Whether a brace after `head`, outside functions, opens a body and not an initialiser."""
     if re.search(r"\)\s*(?:noexcept\b.*)?:[^:]", head):  # a constructor's list: a body follows ')', '}' or nothing
@@ -52,7 +56,7 @@ def functions(text):
             continue
         raw = text[start : match.start()]
         head = re.sub(r"^(?:\s*(?:public|private|protected)\s*:(?!:))+", "", raw).strip()
-        if depth == 0 and (SCOPE.match(head) or (TYPE.match(head) and "(" not in re.sub(r"alignas\s*\([^)]*\)", "", head))):
+        if depth == 0 and (SCOPE.match(head) or is_type(head)):
             start = position
             continue
         end = matching(text, match.start())
@@ -83,7 +87,8 @@ def check(root):
         median = statistics.median(lengths)
         print(f"{len(lengths)} functions of the product: median {median} lines, longest {max(lengths)}")
         if median > MEDIAN_LINES_MAX:
-            findings.append(house.Finding(".", 0, f"the median function has {median} lines, at most {MEDIAN_LINES_MAX}"))
+            message = f"the median function has {median} lines, at most {MEDIAN_LINES_MAX}"
+            findings.append(house.Finding(".", 0, message))
     return findings
 
 

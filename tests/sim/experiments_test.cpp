@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "firmware/config/load_config.hpp"
@@ -35,9 +36,21 @@ struct Outcome {
   std::size_t wrong = 0;
   double rms_m = 0.0;
   double max_m = 0.0;
+  std::vector<double> nees;  // normalised estimation error squared of every fix but the first, 3 degrees of freedom
   std::uint32_t map = 0;
   std::vector<double> milliseconds;  // one core, detection and association
 };
+
+double nees_of(const core::Fix& fix, const core::Pose2& truth) {
+  const Eigen::Vector3d error(fix.pose_W.x_m - truth.x_m, fix.pose_W.y_m - truth.y_m,
+                              core::wrap_angle(fix.pose_W.heading_rad - truth.heading_rad));
+  return error.dot(fix.covariance.inverse() * error);
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values.empty() ? 0.0 : values[values.size() / 2];
+}
 
 Outcome drive(const World& world, const core::Config& config, const SweepConfig& sweep, const DriveConfig& way,
               std::uint64_t seed) {
@@ -58,6 +71,9 @@ Outcome drive(const World& world, const core::Config& config, const SweepConfig&
     ++outcome.scans;
     outcome.ambiguous += fix.status == core::FixStatus::Ambiguous ? 1 : 0;
     outcome.map = fix.landmarks_in_map;
+    if (fix.status == core::FixStatus::Fix && i > 0) {
+      outcome.nees.push_back(nees_of(fix, stands->front().pose.inverse() * stand.pose));
+    }
     if (fix.status == core::FixStatus::Fix) {
       trajectory.push_back({static_cast<double>(i), fix.pose_W});
     }
@@ -95,17 +111,16 @@ TEST_P(Experiments, FixWithoutAWrongOne) {
   way.step_m = 5.0;
   way.kidnap_share = 0.1;
   Outcome all;
-  std::printf("%-16s seed  fixes ambiguous wrong  rms m  max m   map  median ms\n", world_name);
+  std::printf("%-16s seed  fixes ambiguous wrong  rms m  max m   map  median ms  NEES\n", world_name);
   for (std::uint64_t n = 1; n <= seed_count(); ++n) {
     const std::uint64_t seed = 1000 * static_cast<std::uint64_t>(experiment) + n;  // each experiment its own worlds
     world_config->seed = seed;
     const auto world = World::create(*world_config);
     ASSERT_TRUE(world) << world.error().message;
     Outcome one = drive(*world, config->config.core, sweep, way, seed);
-    std::sort(one.milliseconds.begin(), one.milliseconds.end());
-    std::printf("experiment %d %9llu %3zu/%zu %9zu %5zu %6.3f %6.3f %5u %10.2f\n", experiment,
+    std::printf("experiment %d %9llu %3zu/%zu %9zu %5zu %6.3f %6.3f %5u %10.2f %8.1f\n", experiment,
                 static_cast<unsigned long long>(seed), one.fixes, one.scans, one.ambiguous, one.wrong, one.rms_m,
-                one.max_m, one.map, one.milliseconds[one.milliseconds.size() / 2]);
+                one.max_m, one.map, median(one.milliseconds), median(one.nees));
     EXPECT_EQ(one.wrong, 0U) << "seed " << seed;
     all.scans += one.scans;
     all.fixes += one.fixes;
