@@ -16,14 +16,14 @@ enum class LandmarkPoint : std::uint8_t {
 
 /// Landmark detection (DESIGN 2.2; the paper's section II-B). Defaults are the paper's experiment I.
 struct DetectionConfig {
-  double range_min_m = 0.0;                      ///< nearer returns are the carrier: their column counts as not looked at
-  double range_max_m = 300.0;                    ///< d_max; a return beyond it counts as no return
-  double range_step_m = 0.5;                     ///< delta_d, height of a spiderweb cell
-  double bearing_step_rad = 0.514 * kDegree;     ///< delta_theta, width of a spiderweb cell
-  double tilt_min_rad = -90.0 * kDegree;         ///< scanlines below are left out
-  double tilt_max_rad = 90.0 * kDegree;          ///< scanlines above are left out
-  double discard_share = 0.02;                   ///< readings dropped at each end of a scanline; 0 for a full turn
-  std::uint32_t landmarks_max = 30;              ///< m_k, the heaviest that are kept
+  double range_min_m = 0.0;    ///< nearer returns are the carrier: their column counts as not looked at
+  double range_max_m = 300.0;  ///< d_max; a return beyond it counts as no return
+  double range_step_m = 0.5;   ///< delta_d, height of a spiderweb cell
+  double bearing_step_rad = 0.514 * kDegree;  ///< delta_theta, width of a spiderweb cell
+  double tilt_min_rad = -90.0 * kDegree;      ///< scanlines below are left out
+  double tilt_max_rad = 90.0 * kDegree;       ///< scanlines above are left out
+  double discard_share = 0.02;       ///< readings dropped at each end of a scanline; 0 for a full turn
+  std::uint32_t landmarks_max = 30;  ///< m_k, the heaviest that are kept
   LandmarkPoint point = LandmarkPoint::ReadingMean;
 };
 
@@ -41,33 +41,36 @@ enum class CandidateRank : std::uint8_t {
 
 /// Data association (DESIGN 2.3; the paper's section II-C).
 struct AssociationConfig {
-  double tolerance_m = 0.5;           ///< epsilon: edge lengths and landmark positions agree within it
-  std::uint32_t depth = 2;            ///< edges join landmarks up to this many mesh steps apart
-  double order_share = 0.125;         ///< share of the vertex order that is searched for triangles
+  double tolerance_m = 0.5;    ///< epsilon: edge lengths and landmark positions agree within it
+  std::uint32_t depth = 2;     ///< edges join landmarks up to this many mesh steps apart
+  double order_share = 0.125;  ///< share of the vertex order that is searched for triangles
   PoseFit fit = PoseFit::Robust;
   CandidateRank rank = CandidateRank::Significance;
-  bool exhaust_when_unsure = true;    ///< go on to the end of the order when the share gave no clear answer
-  std::uint32_t landmarks_min = 3;    ///< a scan with fewer landmarks is not searched
+  bool exhaust_when_unsure = true;  ///< go on to the end of the order when the share gave no clear answer
+  std::uint32_t landmarks_min = 3;  ///< a scan with fewer landmarks is not searched
 };
 
 /// When an associated pose is believed.
 enum class AcceptanceRule : std::uint8_t {
-  Computed,  ///< expected false alarms below a risk, a margin over the best pose elsewhere, and precise enough to be right
+  Computed,  ///< expected false alarms below a risk, a margin over the best pose elsewhere, and precise
+             ///< enough to be right
   Paper,     ///< the largest W wins; overlap is assumed
 };
 
 struct AcceptanceConfig {
   AcceptanceRule rule = AcceptanceRule::Computed;
   double false_alarm_risk = 1e-4;  ///< expected number of chance poses as good as the answer, per scan
-  double ambiguity_risk = 1e-2;    ///< chance that a rival pose elsewhere is the true one, given both are significant
-  double elsewhere_m = 1.0;        ///< a pose farther than this from the answer is elsewhere: one of the two is wrong
+  double ambiguity_risk =
+      1e-2;  ///< chance that a rival pose elsewhere is the true one, given both are significant
+  double elsewhere_m =
+      1.0;  ///< a pose farther than this from the answer is elsewhere: one of the two is wrong
   double elsewhere_rad = 2.0 * kDegree;  ///< so is a pose turned by more than this
 };
 
 /// How a matched landmark's place in the map follows what was seen.
 enum class LandmarkUpdate : std::uint8_t {
-  Paper,    ///< Algorithm 1: moved to its newly seen place when that has no larger error xi
-  Mean,     ///< mean of its sightings, in the frame of the map
+  Paper,  ///< Algorithm 1: moved to its newly seen place when that has no larger error xi
+  Mean,   ///< mean of its sightings, in the frame of the map
 };
 
 /// Hypotheses and positional error (DESIGN 2.4, 2.5).
@@ -75,22 +78,23 @@ struct MappingConfig {
   std::uint32_t hypotheses_max = 3;  ///< Lambda_max
   LandmarkUpdate update = LandmarkUpdate::Paper;
   bool propagate_corrections = false;  ///< the recursive option of Algorithm 1
-  double prune_share = 0.0;            ///< landmarks seen in a smaller share of their chances are forgotten; 0 = never
-  std::uint32_t prune_chances_min = 5; ///< but not before this many chances
+  double prune_share = 0.0;  ///< landmarks seen in a smaller share of their chances are forgotten; 0 = never
+  std::uint32_t prune_chances_min = 5;  ///< but not before this many chances
 };
 
 /// What memory is taken for at construction (DESIGN 2.7).
 struct Capacities {
-  std::uint32_t scan_readings = 300'000;   ///< readings of a scanline that are buffered at once never exceed this
-  std::uint32_t occupied_cells = 65'536;   ///< spiderweb cells of a scan: 51 scanlines of 701 columns fit
-  std::uint32_t scan_landmarks = 128;      ///< landmarks of a scan that association can take
-  std::uint32_t map_landmarks = 10'000;    ///< landmarks of a hypothesis' map
-  std::uint32_t map_edges = 120'000;       ///< edges of a map's graph (about 10 per landmark at depth 2)
-  std::uint32_t path_poses = 10'000;       ///< poses of a hypothesis' path
+  std::uint32_t scan_readings =
+      300'000;  ///< readings of a scanline that are buffered at once never exceed this
+  std::uint32_t occupied_cells = 65'536;  ///< spiderweb cells of a scan: 51 scanlines of 701 columns fit
+  std::uint32_t scan_landmarks = 128;     ///< landmarks of a scan that association can take
+  std::uint32_t map_landmarks = 10'000;   ///< landmarks of a hypothesis' map
+  std::uint32_t map_edges = 120'000;      ///< edges of a map's graph (about 10 per landmark at depth 2)
+  std::uint32_t path_poses = 10'000;      ///< poses of a hypothesis' path
 };
 
-/// Where the sensor sits on what carries it: T_B_L, sensor frame L to body frame B. Fixes and maps are the body's; the
-/// default makes the two the same.
+/// Where the sensor sits on what carries it: T_B_L, sensor frame L to body frame B. Fixes and maps are the
+/// body's; the default makes the two the same.
 struct MountConfig {
   double x_m = 0.0;
   double y_m = 0.0;

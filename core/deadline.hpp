@@ -4,7 +4,8 @@
 
 namespace slamsensor::core {
 
-/// When a computation has to end. Core reads no clock: the caller lends one. Without a clock it never expires.
+/// When a computation has to end. Core reads no clock: the caller lends one. Without a clock it never
+/// expires.
 struct Deadline {
   using Clock = std::chrono::nanoseconds (*)(void* context) noexcept;
 

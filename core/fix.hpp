@@ -1,16 +1,16 @@
 #pragma once
 
-#include <chrono>
-#include <cstdint>
+#include "core/geometry/pose2.hpp"
 
 #include <Eigen/Core>
 
-#include "core/geometry/pose2.hpp"
+#include <chrono>
+#include <cstdint>
 
 namespace slamsensor::core {
 
-/// When a scan was made. `utc` counts from 1970-01-01, `monotonic` from boot; a replayed list of scans has its scan
-/// number, in seconds, in both.
+/// When a scan was made. `utc` counts from 1970-01-01, `monotonic` from boot; a replayed list of scans has
+/// its scan number, in seconds, in both.
 struct ScanTime {
   std::chrono::nanoseconds start_utc{0};
   std::chrono::nanoseconds middle_utc{0};
@@ -22,20 +22,21 @@ enum class FixStatus : std::uint8_t { NoFix, Ambiguous, Fix };
 
 /// Why a scan gave no fix.
 enum class FixReason : std::uint8_t {
-  None,              ///< it is a fix
-  TooFewLandmarks,   ///< fewer landmarks than a pose can be believed from
-  NoOverlap,         ///< no pose explains the scan better than chance does
-  Symmetric,         ///< another place explains it about as well
-  Deadline,          ///< the search was cut before anything believable was found
-  Stale,             ///< no scan came in time
-  Device,            ///< the sensor head is not working
+  None,             ///< it is a fix
+  TooFewLandmarks,  ///< fewer landmarks than a pose can be believed from
+  NoOverlap,        ///< no pose explains the scan better than chance does
+  Symmetric,        ///< another place explains it about as well
+  Deadline,         ///< the search was cut before anything believable was found
+  Stale,            ///< no scan came in time
+  Device,           ///< the sensor head is not working
 };
 
 /// How the search for the pose ended.
 enum class SearchEnd : std::uint8_t { NotStarted, Complete, Share, Deadline };
 
-/// The one answer that all outputs are written from (DESIGN 3). The pose is the sensor in the map frame W; it, the
-/// covariance and `error_xi` mean something only when `status` is Fix, or Ambiguous for the better of the two poses.
+/// The one answer that all outputs are written from (DESIGN 3). The pose is the sensor in the map frame W;
+/// it, the covariance and `error_xi` mean something only when `status` is Fix, or Ambiguous for the better of
+/// the two poses.
 struct Fix {
   ScanTime time;
   std::uint32_t scan = 0;  ///< number of scans processed before this one
@@ -43,7 +44,8 @@ struct Fix {
   FixReason reason = FixReason::NoOverlap;
   SearchEnd search_end = SearchEnd::NotStarted;
   Pose2 pose_W;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x m, y m, heading rad) in W, 1 sigma squared, drift since the origin included
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x m, y m, heading rad) in W, 1 sigma
+                                                         ///< squared, drift since the origin included
   std::uint32_t error_xi = 0;                            ///< triangulations between the scan and the origin
   std::uint32_t matches = 0;
   std::uint32_t landmarks_seen = 0;

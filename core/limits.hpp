@@ -7,7 +7,8 @@ namespace slamsensor::core {
 
 // Compile-time bounds; everything that grows with the world is a run-time capacity instead (config.hpp).
 
-/// Landmarks of one scan that association takes: the paper uses 20 to 30; the densest forest frame measured has 92.
+/// Landmarks of one scan that association takes: the paper uses 20 to 30; the densest forest frame measured
+/// has 92.
 inline constexpr std::uint32_t kScanLandmarksMax = 128;
 
 /// Poses that a search keeps: a bit each in a 32-bit mask per correspondence vertex.

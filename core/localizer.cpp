@@ -1,8 +1,8 @@
 #include "core/localizer.hpp"
 
-#include <algorithm>
-
 #include "core/association/associate.hpp"
+
+#include <algorithm>
 
 namespace slamsensor::core {
 
@@ -10,7 +10,8 @@ Localizer::Localizer(Arena& arena, const Config& config) noexcept
     : config_(config),
       map_(arena, config.capacities),
       delaunay_(arena, config.capacities.map_landmarks),
-      search_(arena, config.association, config.capacities) {}
+      search_(arena, config.association, config.capacities) {
+}
 
 bool Localizer::set_map(std::span<const Point2> map_W) noexcept {
   map_.clear();

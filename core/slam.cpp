@@ -2,15 +2,20 @@
 
 namespace slamsensor::core {
 
-Slam::Slam(Arena& arena, const Config& config) noexcept : detector_(arena, config.detection, config.capacities), hypotheses_(arena, config) {}
+Slam::Slam(Arena& arena, const Config& config) noexcept
+    : detector_(arena, config.detection, config.capacities), hypotheses_(arena, config) {
+}
 
-void Slam::add_scanline(std::span<const Reading> scanline) noexcept { detector_.add_scanline(scanline); }
+void Slam::add_scanline(std::span<const Reading> scanline) noexcept {
+  detector_.add_scanline(scanline);
+}
 
 Fix Slam::finish_scan(const ScanTime& time, const Deadline& deadline) noexcept {
   return process(detector_.finish(), time, deadline);
 }
 
-Fix Slam::process(std::span<const ScanLandmark> landmarks, const ScanTime& time, const Deadline& deadline) noexcept {
+Fix Slam::process(std::span<const ScanLandmark> landmarks, const ScanTime& time,
+                  const Deadline& deadline) noexcept {
   landmarks_ = landmarks;
   Fix fix = hypotheses_.process(landmarks, deadline);
   fix.time = time;

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <span>
-
 #include "core/config.hpp"
 #include "core/deadline.hpp"
 #include "core/detection/landmark_detector.hpp"
@@ -11,18 +9,22 @@
 #include "core/memory/arena.hpp"
 #include "core/reading.hpp"
 
+#include <span>
+
 namespace slamsensor::core {
 
-/// The whole method: scanlines in, fixes out. All its memory is taken from the arena at construction; afterwards no
-/// call allocates, throws, locks or reads a clock. One thread.
+/// The whole method: scanlines in, fixes out. All its memory is taken from the arena at construction;
+/// afterwards no call allocates, throws, locks or reads a clock. One thread.
 class Slam {
  public:
   Slam(Arena& arena, const Config& config) noexcept;
 
-  /// Folds one scanline (readings that share a tilt, in the order of the sweep) into the scan that is being made.
+  /// Folds one scanline (readings that share a tilt, in the order of the sweep) into the scan that is being
+  /// made.
   void add_scanline(std::span<const Reading> scanline) noexcept;
 
-  /// Ends the scan: detects its landmarks, finds its pose, brings it into the maps. The next scanline starts a new scan.
+  /// Ends the scan: detects its landmarks, finds its pose, brings it into the maps. The next scanline starts
+  /// a new scan.
   [[nodiscard]] Fix finish_scan(const ScanTime& time, const Deadline& deadline) noexcept;
 
   /// The same for a scan whose landmarks were found elsewhere, heaviest first.

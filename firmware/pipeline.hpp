@@ -1,20 +1,21 @@
 #pragma once
 
+#include "core/slam.hpp"
+
 #include <cstddef>
 #include <cstdlib>
 #include <memory>
 #include <span>
 
-#include "core/slam.hpp"
-
 namespace slamsensor::firmware {
 
-/// The stations from readings to fix (DESIGN 1) with the one block of memory that they live in. The daemon, the replay
-/// of a recording and the tests run this same code; they differ in who feeds it and who takes the fix. One thread.
+/// The stations from readings to fix (DESIGN 1) with the one block of memory that they live in. The daemon,
+/// the replay of a recording and the tests run this same code; they differ in who feeds it and who takes the
+/// fix. One thread.
 class Pipeline {
  public:
-  /// Takes the block that `config` asks for, and writes to all of it, so that no later call meets a page fault. Throws
-  /// std::bad_alloc when the system has not so much memory.
+  /// Takes the block that `config` asks for, and writes to all of it, so that no later call meets a page
+  /// fault. Throws std::bad_alloc when the system has not so much memory.
   explicit Pipeline(const core::Config& config);
 
   /// Localises one scan from its scanlines, each in the order of the sweep.
@@ -28,8 +29,8 @@ class Pipeline {
   }
 
   /// Localises one scan from landmarks that were found elsewhere, heaviest first.
-  [[nodiscard]] core::Fix process_landmarks(std::span<const core::ScanLandmark> landmarks, const core::ScanTime& time,
-                                            const core::Deadline& deadline) {
+  [[nodiscard]] core::Fix process_landmarks(std::span<const core::ScanLandmark> landmarks,
+                                            const core::ScanTime& time, const core::Deadline& deadline) {
     return slam_->process(landmarks, time, deadline);
   }
 

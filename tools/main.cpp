@@ -1,15 +1,16 @@
-#include <cstdio>
-#include <exception>
+#include "tools/commands/command.hpp"
 
 #include <CLI/CLI.hpp>
 
-#include "tools/commands/command.hpp"
+#include <cstdio>
+#include <exception>
 
 namespace {
 
 int run(int argc, char** argv) {
   using namespace slamsensor::tools;  // NOLINT(google-build-using-namespace): the verbs of this program
-  CLI::App app("slamsensor: a standalone SLAM sensor. One verb per job, the same on a sensor and on a recording.");
+  CLI::App app(
+      "slamsensor: a standalone SLAM sensor. One verb per job, the same on a sensor and on a recording.");
   app.require_subcommand(1);
   CommandResult result = EX_OK;
   add_replay(app, result);

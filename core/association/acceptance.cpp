@@ -1,16 +1,17 @@
 #include "core/association/acceptance.hpp"
 
+#include "core/association/false_alarms.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "core/association/false_alarms.hpp"
-
 namespace slamsensor::core {
 namespace {
 
-// Matches within the tolerance are expected to have this spread, as a share of it, before any residual is seen.
+// Matches within the tolerance are expected to have this spread, as a share of it, before any residual is
+// seen.
 constexpr double kPriorSigmaShare = 1.0 / 3.0;
 
 /// How many landmarks of the scan each of two poses explains better.
@@ -52,15 +53,18 @@ bool precise(const Candidate& candidate, std::span<const Point2> scan_L, std::sp
   const Eigen::Matrix3d covariance = candidate_covariance(candidate, scan_L, map_W, tolerance_m);
   const double half_trace = 0.5 * (covariance(0, 0) + covariance(1, 1));
   const double half_gap = 0.5 * (covariance(0, 0) - covariance(1, 1));
-  const double longest = half_trace + std::hypot(half_gap, covariance(0, 1));  // larger eigenvalue of the position
-  return 3.0 * std::sqrt(longest) <= config.elsewhere_m && 3.0 * std::sqrt(covariance(2, 2)) <= config.elsewhere_rad;
+  const double longest =
+      half_trace + std::hypot(half_gap, covariance(0, 1));  // larger eigenvalue of the position
+  return 3.0 * std::sqrt(longest) <= config.elsewhere_m &&
+         3.0 * std::sqrt(covariance(2, 2)) <= config.elsewhere_rad;
 }
 
 }  // namespace
 
 Eigen::Matrix3d candidate_covariance(const Candidate& candidate, std::span<const Point2> scan_L,
                                      std::span<const Point2> map_W, double tolerance_m) noexcept {
-  return pose_covariance(candidate.pose_W, candidate.matches.span(), scan_L, map_W, kPriorSigmaShare * tolerance_m);
+  return pose_covariance(candidate.pose_W, candidate.matches.span(), scan_L, map_W,
+                         kPriorSigmaShare * tolerance_m);
 }
 
 bool elsewhere(const Pose2& a, const Pose2& b, const AcceptanceConfig& config) noexcept {

@@ -3,19 +3,20 @@
 #include <cmath>
 
 namespace slamsensor::core {
-Verdict associate(std::span<const Point2> scan_L, const MapView& map, const Config& config, const Deadline& deadline,
-                  PaperSearch& search, Candidates& found) noexcept {
+Verdict associate(std::span<const Point2> scan_L, const MapView& map, const Config& config,
+                  const Deadline& deadline, PaperSearch& search, Candidates& found) noexcept {
   search.search(scan_L, map, config.mapping.hypotheses_max, deadline, found);
   Verdict verdict = judge(found, scan_L, map, config.association.tolerance_m, config.acceptance);
-  if (verdict.status != FixStatus::Fix && found.end == SearchEnd::Share && config.association.exhaust_when_unsure) {
+  if (verdict.status != FixStatus::Fix && found.end == SearchEnd::Share &&
+      config.association.exhaust_when_unsure) {
     search.search_rest(deadline, found);
     verdict = judge(found, scan_L, map, config.association.tolerance_m, config.acceptance);
   }
   return verdict;
 }
 
-void describe(const Verdict& verdict, const Candidates& found, std::size_t candidate, std::span<const Point2> scan_L,
-              const MapView& map, const Config& config, Fix& fix) noexcept {
+void describe(const Verdict& verdict, const Candidates& found, std::size_t candidate,
+              std::span<const Point2> scan_L, const MapView& map, const Config& config, Fix& fix) noexcept {
   fix.status = verdict.status;
   fix.reason = verdict.reason;
   fix.search_end = found.end;

@@ -1,13 +1,13 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <span>
-
 #include "core/association/rigid_fit.hpp"
 #include "core/fix.hpp"
 #include "core/limits.hpp"
 #include "core/memory/fixed_vector.hpp"
+
+#include <array>
+#include <cstdint>
+#include <span>
 
 namespace slamsensor::core {
 
@@ -15,11 +15,11 @@ using MatchList = FixedVector<Match, kScanLandmarksMax>;
 
 /// A pose from which the scan explains part of the map.
 struct Candidate {
-  Pose2 pose_W;                            ///< refined by least squares over `matches`
-  MatchList matches;                       ///< one to one, by increasing scan landmark
-  std::array<std::uint32_t, 3> triangle{}; ///< the map landmarks that triangulated it first
-  double residual_m2 = 0.0;                ///< sum of squared distances over `matches`
-  double log10_chance = 0.0;               ///< bound on the chance that a wrong pose does as well (significance.hpp)
+  Pose2 pose_W;                             ///< refined by least squares over `matches`
+  MatchList matches;                        ///< one to one, by increasing scan landmark
+  std::array<std::uint32_t, 3> triangle{};  ///< the map landmarks that triangulated it first
+  double residual_m2 = 0.0;                 ///< sum of squared distances over `matches`
+  double log10_chance = 0.0;  ///< bound on the chance that a wrong pose does as well (significance.hpp)
 
   /// More matches are better; among equals the smaller residual (the paper).
   [[nodiscard]] bool matches_more_than(const Candidate& other) const noexcept {
@@ -36,7 +36,7 @@ struct Candidate {
 /// What a search found: the best candidates first, at most a few of them at one place.
 struct Candidates {
   FixedVector<Candidate, kCandidatesMax> list;
-  std::uint64_t poses_tried = 0;     ///< poses that were held against the map
+  std::uint64_t poses_tried = 0;  ///< poses that were held against the map
   std::uint64_t vertices_searched = 0;
   std::uint64_t vertices_total = 0;
   std::uint64_t neighbours_dropped = 0;  ///< correspondence neighbours beyond kVertexNeighboursMax

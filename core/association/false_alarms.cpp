@@ -14,7 +14,8 @@ double log10_binomial_tail(std::uint32_t trials, std::uint32_t hits, double p) n
     return -std::numeric_limits<double>::infinity();
   }
   // The first term, then each next one from the one before: t(h+1) = t(h) (n-h)/(h+1) p/(1-p).
-  double choices_log = 0.0;  // of trials over hits; the product stays in range for a hundred factors at a time
+  double choices_log =
+      0.0;  // of trials over hits; the product stays in range for a hundred factors at a time
   double choices = 1.0;
   for (std::uint32_t i = 1; i <= hits; ++i) {
     choices *= static_cast<double>(trials - hits + i) / i;
@@ -43,7 +44,8 @@ double log10_chance_of_matches(std::uint32_t landmarks, std::span<const double> 
     // The pose was fitted to the matches, which took 3 of their 2 * matches degrees of freedom.
     const double unfitted = 2.0 * static_cast<double>(matches) / (2.0 * static_cast<double>(matches) - 3.0);
     const double chance = p * std::clamp(shares[matches - 1] * unfitted, kShareMin, 1.0);
-    best = std::min(best, log10_binomial_tail(landmarks - 3, static_cast<std::uint32_t>(matches - 3), chance));
+    best =
+        std::min(best, log10_binomial_tail(landmarks - 3, static_cast<std::uint32_t>(matches - 3), chance));
   }
   return shares.size() <= 3 ? 0.0 : std::min(0.0, best + std::log10(static_cast<double>(shares.size() - 3)));
 }

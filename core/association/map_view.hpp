@@ -1,10 +1,10 @@
 #pragma once
 
-#include <span>
-
 #include "core/association/point_grid.hpp"
 #include "core/geometry/pose2.hpp"
 #include "core/graph/landmark_graph.hpp"
+
+#include <span>
 
 namespace slamsensor::core {
 

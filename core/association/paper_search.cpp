@@ -1,17 +1,17 @@
 #include "core/association/paper_search.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/association/significance.hpp"
 #include "core/association/triangulation.hpp"
+
+#include <algorithm>
+#include <cmath>
 
 namespace slamsensor::core {
 namespace {
 
 constexpr std::uint32_t kDegreeMax = 8191;              // larger degrees sort as this one
 constexpr std::uint64_t kVerticesPerDeadlineLook = 64;  // about 0.1 ms
-constexpr std::uint32_t kInliersMin = 4;                // three match by construction: only a fourth says anything
+constexpr std::uint32_t kInliersMin = 4;  // three match by construction: only a fourth says anything
 constexpr std::uint32_t kScanEdgesMax = kScanLandmarksMax * (kScanLandmarksMax - 1) / 2;
 
 /// Twice the signed area of a triangle; its sign tells a triangle from its mirror image.
@@ -40,8 +40,9 @@ PaperSearch::PaperSearch(Arena& arena, const AssociationConfig& config, const Ca
                    static_cast<std::size_t>(capacities.scan_landmarks) * capacities.scan_landmarks),
       degree_(arena, "association: vertex degrees", vertices_max(capacities)),
       order_(arena, "association: vertex order", vertices_max(capacities)),
-      covered_by_(arena, "association: vertex candidates", vertices_max(capacities)),
-      degree_first_(arena, "association: degree counts", kDegreeMax + 2) {}
+      shortlist_(arena, config, vertices_max(capacities)),
+      degree_first_(arena, "association: degree counts", kDegreeMax + 2) {
+}
 
 PaperSearch::Vertex PaperSearch::vertex_of(std::uint32_t scan, std::uint32_t map) const noexcept {
   return scan * static_cast<std::uint32_t>(map_->positions_W.size()) + map;
@@ -55,19 +56,16 @@ void PaperSearch::search(std::span<const Point2> scan_L, const MapView& map, std
                          const Deadline& deadline, Candidates& found) noexcept {
   scan_L_ = scan_L;
   map_ = &map;
-  variants_max_ = variants_max;
-  moments_ = ScanMoments(scan_L);
-  slot_of_.clear();
-  free_slots_ = UINT32_MAX;
-  found.list.clear();
   found.poses_tried = found.vertices_searched = found.vertices_total = found.neighbours_dropped = 0;
   found.end = SearchEnd::Complete;
 
   const std::size_t k = scan_L.size();
   const std::size_t vertices = k * map.positions_W.size();
-  if (!scan_edge_m_.try_resize(k * k) || !scan_graph_.build(scan_L, scan_delaunay_, config_.depth) ||
+  const bool fits = shortlist_.start(vertices, static_cast<std::uint32_t>(map.positions_W.size()),
+                                     variants_max, ScanMoments(scan_L), found);
+  if (!fits || !scan_edge_m_.try_resize(k * k) || !scan_graph_.build(scan_L, scan_delaunay_, config_.depth) ||
       map.graph.vertex_count() != map.positions_W.size() || !degree_.try_resize(vertices) ||
-      !order_.try_resize(vertices) || !covered_by_.try_resize(vertices)) {
+      !order_.try_resize(vertices)) {
     return;  // no graph, no triangles: the search is complete with nothing found
   }
   std::fill(scan_edge_m_.begin(), scan_edge_m_.end(), 0.0F);
@@ -76,11 +74,11 @@ void PaperSearch::search(std::span<const Point2> scan_L, const MapView& map, std
       scan_edge_m_[i * k + n.vertex] = n.length_m;
     }
   }
-  std::fill(covered_by_.begin(), covered_by_.end(), 0U);
   found.vertices_total = vertices;
   count_degrees();
   sort_by_degree();
-  const auto share = static_cast<std::uint64_t>(std::ceil(config_.order_share * static_cast<double>(vertices)));
+  const auto share =
+      static_cast<std::uint64_t>(std::ceil(config_.order_share * static_cast<double>(vertices)));
   visit_until(std::min<std::uint64_t>(share, vertices), deadline, found);
 }
 
@@ -105,8 +103,8 @@ void PaperSearch::visit_until(std::uint64_t end, const Deadline& deadline, Candi
   found.end = found.vertices_searched == found.vertices_total ? SearchEnd::Complete : SearchEnd::Share;
 }
 
-/// Degree of (i, a): pairs of an edge at i and an edge at a that agree in length; both lists are sorted, so the window
-/// of agreeing map edges only moves forward.
+/// Degree of (i, a): pairs of an edge at i and an edge at a that agree in length; both lists are sorted, so
+/// the window of agreeing map edges only moves forward.
 void PaperSearch::count_degrees() noexcept {
   const auto n = static_cast<std::uint32_t>(map_->positions_W.size());
   const auto tolerance = static_cast<float>(config_.tolerance_m);
@@ -158,7 +156,8 @@ void PaperSearch::gather_neighbours(Vertex vertex, Candidates& found) noexcept {
     }
     group_first_[group_count_] = static_cast<std::uint32_t>(neighbours_.size());
     group_scan_[group_count_] = edge.vertex;
-    for (std::size_t e = low; e < map_edges.size() && map_edges[e].length_m <= edge.length_m + tolerance; ++e) {
+    for (std::size_t e = low; e < map_edges.size() && map_edges[e].length_m <= edge.length_m + tolerance;
+         ++e) {
       if (searched_before(vertex_of(edge.vertex, map_edges[e].vertex), vertex)) {
         continue;  // its triangles with this vertex have been searched
       }
@@ -207,8 +206,9 @@ bool PaperSearch::map_edge_fits(std::uint32_t a, std::uint32_t b, double length_
   const auto edges = map_->graph.neighbours(a);
   const auto shortest = static_cast<float>(distance_m) * (1.0F - 1e-5F) - 1e-5F;
   const auto longest = static_cast<float>(distance_m) * (1.0F + 1e-5F) + 1e-5F;
-  auto edge = std::lower_bound(edges.begin(), edges.end(), shortest,
-                               [](const LandmarkGraph::Neighbour& e, float length) { return e.length_m < length; });
+  auto edge =
+      std::lower_bound(edges.begin(), edges.end(), shortest,
+                       [](const LandmarkGraph::Neighbour& e, float length) { return e.length_m < length; });
   for (; edge != edges.end() && edge->length_m <= longest; ++edge) {
     if (edge->vertex == b) {
       return true;
@@ -217,13 +217,14 @@ bool PaperSearch::map_edge_fits(std::uint32_t a, std::uint32_t b, double length_
   return false;
 }
 
-void PaperSearch::try_triangle(const Neighbour& a, const Neighbour& b, const Neighbour& c, Candidates& found) noexcept {
-  if ((covered_by_[vertex_of(a.scan, a.map)] & covered_by_[vertex_of(b.scan, b.map)] &
-       covered_by_[vertex_of(c.scan, c.map)]) != 0) {
+void PaperSearch::try_triangle(const Neighbour& a, const Neighbour& b, const Neighbour& c,
+                               Candidates& found) noexcept {
+  if (shortlist_.covers(vertex_of(a.scan, a.map), vertex_of(b.scan, b.map), vertex_of(c.scan, c.map))) {
     return;  // a subset of a kept candidate's matches
   }
   const std::array<Point2, 3> scan{scan_L_[a.scan], scan_L_[b.scan], scan_L_[c.scan]};
-  const std::array<Point2, 3> map{map_->positions_W[a.map], map_->positions_W[b.map], map_->positions_W[c.map]};
+  const std::array<Point2, 3> map{map_->positions_W[a.map], map_->positions_W[b.map],
+                                  map_->positions_W[c.map]};
   const double scan_area = twice_area(scan[0], scan[1], scan[2]);
   const double longest_m =
       std::max({(scan[0] - scan[1]).norm(), (scan[0] - scan[2]).norm(), (scan[1] - scan[2]).norm()});
@@ -246,68 +247,8 @@ void PaperSearch::try_pose(const Pose2& pose_W, const std::array<std::uint32_t, 
   if (candidate && candidate->matches.size() >= kInliersMin) {
     candidate->triangle = triangle;
     candidate->log10_chance = log10_chance(*candidate, scan_L_, *map_, config_.tolerance_m);
-    keep(*candidate, found);
+    shortlist_.offer(*candidate, found);
   }
-}
-
-void PaperSearch::mark(const MatchList& matches, std::uint32_t slot, bool covered) noexcept {
-  for (const Match& m : matches) {
-    std::uint32_t& mask = covered_by_[vertex_of(m.scan, m.map)];
-    mask = covered ? mask | (1U << slot) : mask & ~(1U << slot);
-  }
-}
-
-bool PaperSearch::leads(const Candidate& a, const Candidate& b) const noexcept {
-  return config_.rank == CandidateRank::Matches ? a.matches_more_than(b) : a.more_significant_than(b);
-}
-
-/// Inserts the candidate in order, unless a better one at the same place has the same matches or `variants_max_` better
-/// ones are there already; drops what it makes superfluous.
-void PaperSearch::keep(const Candidate& candidate, Candidates& found) noexcept {
-  const double same_place_m = config_.tolerance_m;
-  const double same_pose_m = 0.1 * config_.tolerance_m;
-  const auto drop = [&](std::size_t i) {
-    mark(found.list[i].matches, slot_of_[i], false);
-    free_slots_ |= 1U << slot_of_[i];
-    for (std::size_t j = i + 1; j < found.list.size(); ++j) {
-      found.list[j - 1] = found.list[j];
-      slot_of_[j - 1] = slot_of_[j];
-    }
-    found.list.truncate(found.list.size() - 1);
-    slot_of_.truncate(slot_of_.size() - 1);
-  };
-  std::uint32_t better_here = 0;
-  for (std::size_t i = 0; i < found.list.size();) {
-    const double apart_m = moments_.displacement_m(found.list[i].pose_W, candidate.pose_W);
-    if (!leads(candidate, found.list[i])) {
-      better_here += apart_m <= same_place_m ? 1 : 0;
-      if (apart_m <= same_pose_m || better_here >= variants_max_) {
-        return;
-      }
-      ++i;
-    } else if (apart_m <= same_pose_m || (apart_m <= same_place_m && ++better_here >= variants_max_)) {
-      drop(i);  // the same pose with fewer matches, or one variant too many
-    } else {
-      ++i;
-    }
-  }
-  if (found.list.size() == kCandidatesMax) {
-    if (!leads(candidate, found.list.back())) {
-      return;
-    }
-    drop(kCandidatesMax - 1);
-  }
-  const auto slot = static_cast<std::uint32_t>(__builtin_ctz(free_slots_));
-  free_slots_ &= ~(1U << slot);
-  mark(candidate.matches, slot, true);
-  std::size_t place = found.list.size();
-  SLAMSENSOR_ASSERT(found.list.try_push_back(candidate) && slot_of_.try_push_back(slot));
-  for (; place > 0 && leads(candidate, found.list[place - 1]); --place) {
-    found.list[place] = found.list[place - 1];
-    slot_of_[place] = slot_of_[place - 1];
-  }
-  found.list[place] = candidate;
-  slot_of_[place] = slot;
 }
 
 }  // namespace slamsensor::core

@@ -29,14 +29,16 @@ Box bounding_box(std::span<const Point2> points) noexcept {
 
 PointGrid::PointGrid(Arena& arena, const char* name, std::uint32_t points_max) noexcept
     : first_(arena, name, static_cast<std::size_t>(points_max) * kCellsPerPoint + 2),
-      entries_(arena, name, points_max) {}
+      entries_(arena, name, points_max) {
+}
 
 void PointGrid::build(std::span<const Point2> points, double cell_side_min_m) noexcept {
   points_ = points;
   const Box box = bounding_box(points);
   origin_ = box.low;
   const Point2 extent = box.high - box.low;
-  // A side s gives (w/s + 1)(h/s + 1) cells; the larger of these two solves that for the cells there is memory for.
+  // A side s gives (w/s + 1)(h/s + 1) cells; the larger of these two solves that for the cells there is
+  // memory for.
   const double cells = std::max(1.0, static_cast<double>(points.size()) * (kCellsPerPoint - 1));
   double side_m = std::max({cell_side_min_m, std::sqrt(extent.x() * extent.y() / cells) * 1.2,
                             (extent.x() + extent.y()) / cells * 2.0});
@@ -86,12 +88,14 @@ PointGrid::CellRange PointGrid::cells_around(const Point2& p, double radius_m) c
     return cell < static_cast<double>(count) ? (cell > 0.0 ? static_cast<std::int64_t>(cell) : 0) : count;
   };
   const auto end_cell = [](double cell, std::int64_t count) {
-    return cell >= 0.0 ? (cell < static_cast<double>(count) ? static_cast<std::int64_t>(cell) + 1 : count) : 0;
+    return cell >= 0.0 ? (cell < static_cast<double>(count) ? static_cast<std::int64_t>(cell) + 1 : count)
+                       : 0;
   };
   const double x = (p.x() - origin_.x()) * cells_per_m_;
   const double y = (p.y() - origin_.y()) * cells_per_m_;
   const double r = radius_m * cells_per_m_;
-  return {first_cell(x - r, columns_), end_cell(x + r, columns_), first_cell(y - r, rows_), end_cell(y + r, rows_)};
+  return {first_cell(x - r, columns_), end_cell(x + r, columns_), first_cell(y - r, rows_),
+          end_cell(y + r, rows_)};
 }
 
 template <typename Visit>

@@ -1,16 +1,16 @@
 #pragma once
 
-#include <cstdint>
-#include <span>
-
 #include "core/geometry/pose2.hpp"
 #include "core/memory/arena.hpp"
 #include "core/memory/bounded_vector.hpp"
 
+#include <cstdint>
+#include <span>
+
 namespace slamsensor::core {
 
-/// A uniform grid over a set of points: look-ups by place. Cells are as small as the memory of 4 per point allows, but
-/// not below the side asked for. One thread.
+/// A uniform grid over a set of points: look-ups by place. Cells are as small as the memory of 4 per point
+/// allows, but not below the side asked for. One thread.
 class PointGrid {
  public:
   static constexpr std::uint32_t kNone = UINT32_MAX;
@@ -23,7 +23,8 @@ class PointGrid {
   /// Makes this grid equal to `other` (same capacity), over `points`, which must equal the other's.
   void copy_from(const PointGrid& other, std::span<const Point2> points) noexcept;
 
-  /// Index of the point nearest to `p` within `radius_m` (the lower index of two at the same distance), or kNone.
+  /// Index of the point nearest to `p` within `radius_m` (the lower index of two at the same distance), or
+  /// kNone.
   [[nodiscard]] std::uint32_t nearest_within(const Point2& p, double radius_m) const noexcept;
 
   /// Number of points within `radius_m` of `p`.

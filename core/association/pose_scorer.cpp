@@ -5,7 +5,8 @@
 namespace slamsensor::core {
 namespace {
 
-constexpr double kRobustScaleShare = 1.0 / 3.0;  // of the tolerance: the spread that true matches are expected to have
+constexpr double kRobustScaleShare =
+    1.0 / 3.0;  // of the tolerance: the spread that true matches are expected to have
 
 /// The pose with its sine and cosine taken once.
 class Mover {
@@ -36,11 +37,13 @@ bool same_matches(const MatchList& a, const MatchList& b) noexcept {
 
 }  // namespace
 
-PoseScorer::PoseScorer(Arena& arena, const AssociationConfig& config, std::uint32_t map_landmarks_max) noexcept
-    : config_(config), claims_(arena, "association: claims", map_landmarks_max) {}
+PoseScorer::PoseScorer(Arena& arena, const AssociationConfig& config,
+                       std::uint32_t map_landmarks_max) noexcept
+    : config_(config), claims_(arena, "association: claims", map_landmarks_max) {
+}
 
-std::uint32_t PoseScorer::count_inliers(const Pose2& pose_W, std::span<const Point2> scan_L, const MapView& map,
-                                        std::uint32_t enough) const noexcept {
+std::uint32_t PoseScorer::count_inliers(const Pose2& pose_W, std::span<const Point2> scan_L,
+                                        const MapView& map, std::uint32_t enough) const noexcept {
   const Mover move(pose_W);
   std::uint32_t count = 0;
   auto left = static_cast<std::uint32_t>(scan_L.size());

@@ -1,8 +1,8 @@
 #include "core/association/rigid_fit.hpp"
 
-#include <cmath>
-
 #include <Eigen/LU>
+
+#include <cmath>
 
 namespace slamsensor::core {
 
@@ -67,8 +67,9 @@ Pose2 fit_pose_robust(const Pose2& start, std::span<const Match> matches, std::s
   return pose;
 }
 
-Eigen::Matrix3d pose_covariance(const Pose2& pose_W, std::span<const Match> matches, std::span<const Point2> scan_L,
-                                std::span<const Point2> map_W, double prior_sigma_m) noexcept {
+Eigen::Matrix3d pose_covariance(const Pose2& pose_W, std::span<const Match> matches,
+                                std::span<const Point2> scan_L, std::span<const Point2> map_W,
+                                double prior_sigma_m) noexcept {
   constexpr double kPriorObservations = 3.0;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   double residual2 = 0.0;
@@ -85,7 +86,8 @@ Eigen::Matrix3d pose_covariance(const Pose2& pose_W, std::span<const Match> matc
   information(2, 0) = information(0, 2);
   information(2, 1) = information(1, 2);
   const double freedom = std::max(0.0, 2.0 * static_cast<double>(matches.size()) - 3.0);
-  const double sigma2 = (residual2 + kPriorObservations * prior_sigma_m * prior_sigma_m) / (freedom + kPriorObservations);
+  const double sigma2 =
+      (residual2 + kPriorObservations * prior_sigma_m * prior_sigma_m) / (freedom + kPriorObservations);
   Eigen::Matrix3d inverse;
   bool invertible = false;
   information.computeInverseWithCheck(inverse, invertible);

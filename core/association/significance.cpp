@@ -1,15 +1,15 @@
 #include "core/association/significance.hpp"
 
+#include "core/association/false_alarms.hpp"
+
 #include <algorithm>
 #include <array>
-
-#include "core/association/false_alarms.hpp"
 
 namespace slamsensor::core {
 namespace {
 
-// The neighbourhood over which the map's density is taken, in tolerances: wide enough to hold several landmarks, narrow
-// enough to tell a thicket from a clearing.
+// The neighbourhood over which the map's density is taken, in tolerances: wide enough to hold several
+// landmarks, narrow enough to tell a thicket from a clearing.
 constexpr double kDensityRadiusTolerances = 15.0;
 
 }  // namespace

@@ -10,7 +10,9 @@ namespace {
 // Two circles that cross at less than this angle fix the place too badly across the line of their centres.
 constexpr double kCrossingSineMin = 0.1;
 
-double cross(const Point2& a, const Point2& b) noexcept { return a.x() * b.y() - a.y() * b.x(); }
+double cross(const Point2& a, const Point2& b) noexcept {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
 /// Sine of the angle at which the circles about a and b cross at the sensor (origin of L).
 double crossing_sine(const Point2& a, const Point2& b) noexcept {
@@ -18,7 +20,8 @@ double crossing_sine(const Point2& a, const Point2& b) noexcept {
   return radii > 0.0 ? std::abs(cross(a, b)) / radii : 0.0;
 }
 
-/// Index of the landmark to leave out, so that the circles about the other two cross best; 3 when none cross well.
+/// Index of the landmark to leave out, so that the circles about the other two cross best; 3 when none cross
+/// well.
 std::size_t worst_partner(const std::array<Point2, 3>& scan_L) noexcept {
   std::size_t left_out = 3;
   double best = kCrossingSineMin;

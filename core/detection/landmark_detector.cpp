@@ -2,7 +2,8 @@
 
 namespace slamsensor::core {
 
-LandmarkDetector::LandmarkDetector(Arena& arena, const DetectionConfig& config, const Capacities& capacities) noexcept
+LandmarkDetector::LandmarkDetector(Arena& arena, const DetectionConfig& config,
+                                   const Capacities& capacities) noexcept
     : point_(config.point),
       scanline_(arena, config),
       web_(arena, config, capacities.occupied_cells),

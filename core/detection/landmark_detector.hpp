@@ -19,7 +19,8 @@ namespace slamsensor::core {
 class LandmarkDetector {
  public:
   /// Takes room for `capacities.occupied_cells` cells of a scan; see PolarGrid for what `config` must keep.
-  LandmarkDetector(Arena& arena, const DetectionConfig& config, const Capacities& capacities = Capacities{}) noexcept;
+  LandmarkDetector(Arena& arena, const DetectionConfig& config,
+                   const Capacities& capacities = Capacities{}) noexcept;
 
   /// Folds in one scanline: readings that share a tilt, in the order of the sweep (either direction). Which
   /// readings count, and how, is said at ScanlineGrid.

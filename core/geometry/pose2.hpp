@@ -1,9 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
+
 #include <cmath>
 #include <numbers>
-
-#include <Eigen/Core>
 
 namespace slamsensor::core {
 

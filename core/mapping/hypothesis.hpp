@@ -1,11 +1,11 @@
 #pragma once
 
-#include <cstdint>
-
 #include "core/config.hpp"
 #include "core/mapping/landmark_map.hpp"
 #include "core/memory/arena.hpp"
 #include "core/memory/bounded_vector.hpp"
+
+#include <cstdint>
 
 namespace slamsensor::core {
 
@@ -23,8 +23,8 @@ struct Hypothesis {
 
   LandmarkMap map;
   BoundedVector<PathPose> path;
-  std::uint64_t weight = 0;        ///< W, the accumulated match count
-  std::uint32_t next_id = 0;       ///< of the next new landmark
+  std::uint64_t weight = 0;             ///< W, the accumulated match count
+  std::uint32_t next_id = 0;            ///< of the next new landmark
   std::uint64_t landmarks_evicted = 0;  ///< made room for others because the map was full
   std::uint64_t path_thinnings = 0;     ///< times that every other pose of a full path was dropped
 

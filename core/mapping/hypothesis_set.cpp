@@ -1,8 +1,8 @@
 #include "core/mapping/hypothesis_set.hpp"
 
-#include <algorithm>
-
 #include "core/association/associate.hpp"
+
+#include <algorithm>
 
 namespace slamsensor::core {
 
@@ -69,14 +69,16 @@ void HypothesisSet::associate_all(const Deadline& deadline) noexcept {
   SLAMSENSOR_ASSERT(litters_.try_resize(kept_.size()));
   for (std::size_t h = 0; h < kept_.size(); ++h) {
     Litter& litter = litters_[h];
-    litter.verdict = associate(scan_B_.span(), pool_[kept_[h]]->map.view(), config_, deadline, search_, litter.found);
+    litter.verdict =
+        associate(scan_B_.span(), pool_[kept_[h]]->map.view(), config_, deadline, search_, litter.found);
     counters_.neighbours_dropped += litter.found.neighbours_dropped;
     counters_.searches_cut += litter.found.end == SearchEnd::Deadline ? 1 : 0;
   }
 }
 
-/// The next generation, best W first. A parent whose scan is not believed goes on as it is; one whose scan is believed
-/// goes on only in its offspring: its candidates at the believed place (computed rule) or all of them (the paper's).
+/// The next generation, best W first. A parent whose scan is not believed goes on as it is; one whose scan is
+/// believed goes on only in its offspring: its candidates at the believed place (computed rule) or all of
+/// them (the paper's).
 HypothesisSet::Generation HypothesisSet::spawn() const noexcept {
   Generation generation;
   const auto insert = [&](const Offspring& offspring) {
@@ -121,8 +123,8 @@ void HypothesisSet::report(const Offspring& best, Fix& fix) noexcept {
   }
   const Candidate& candidate = litter.found.list[chosen];
   fix.error_xi = PositionalError::of_scan(map, candidate.triangle);
-  // The residuals tell how well the scan fits the map about it. Between there and the origin stand xi triangulations of
-  // the same kind, whose errors add up like a random walk.
+  // The residuals tell how well the scan fits the map about it. Between there and the origin stand xi
+  // triangulations of the same kind, whose errors add up like a random walk.
   fix.covariance *= 1.0 + fix.error_xi;
   association_.matches = candidate.matches;
   for (std::size_t i = 0; i < candidate.matches.size(); ++i) {
@@ -132,13 +134,15 @@ void HypothesisSet::report(const Offspring& best, Fix& fix) noexcept {
 
 void HypothesisSet::extend(std::uint32_t slot, const Offspring& offspring) noexcept {
   if (offspring.candidate >= 0) {
-    const Candidate& candidate = litters_[offspring.parent].found.list[static_cast<std::size_t>(offspring.candidate)];
+    const Candidate& candidate =
+        litters_[offspring.parent].found.list[static_cast<std::size_t>(offspring.candidate)];
     builder_.extend(scan_B_.span(), candidate, scans_ - 1, *pool_[slot]);
   }
 }
 
-/// Turns the kept hypotheses into the next generation. A parent's first offspring takes over its slot; the others are
-/// copied into slots that no parent with offspring holds. There are at most hypotheses_max of all of them.
+/// Turns the kept hypotheses into the next generation. A parent's first offspring takes over its slot; the
+/// others are copied into slots that no parent with offspring holds. There are at most hypotheses_max of all
+/// of them.
 void HypothesisSet::replace(const Generation& generation) noexcept {
   std::array<bool, kHypothesesMax> taken{};
   std::array<bool, kHypothesesMax> first_done{};

@@ -1,10 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <optional>
-#include <span>
-
 #include "core/association/acceptance.hpp"
 #include "core/association/paper_search.hpp"
 #include "core/config.hpp"
@@ -17,11 +12,16 @@
 #include "core/memory/bounded_vector.hpp"
 #include "core/memory/fixed_vector.hpp"
 
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
 namespace slamsensor::core {
 
 /// What the last association worked on, for pictures and diagnosis. Valid until the next scan.
 struct Association {
-  MatchList matches;             ///< of the best hypothesis; `map` indexes the map before the scan was brought in
+  MatchList matches;  ///< of the best hypothesis; `map` indexes the map before the scan was brought in
   std::array<Point2, kScanLandmarksMax> matched_W{};  ///< where the map had the matched landmarks, m
 };
 
@@ -33,15 +33,15 @@ struct Counters {
   std::uint64_t searches_cut = 0;        ///< by the deadline
 };
 
-/// The kept hypotheses (DESIGN 2.4). On a scan each spawns its candidates; all are ranked by W; the best Lambda_max
-/// survive; the best of them is the solution. A scan that is not believed changes no map. One thread; no allocation
-/// after construction.
+/// The kept hypotheses (DESIGN 2.4). On a scan each spawns its candidates; all are ranked by W; the best
+/// Lambda_max survive; the best of them is the solution. A scan that is not believed changes no map. One
+/// thread; no allocation after construction.
 class HypothesisSet {
  public:
   HypothesisSet(Arena& arena, const Config& config) noexcept;
 
-  /// Localises the scan and brings it into the maps. `landmarks` come heaviest first. The first scan with enough
-  /// landmarks defines the map frame: its pose is the origin. Fix::time is the caller's.
+  /// Localises the scan and brings it into the maps. `landmarks` come heaviest first. The first scan with
+  /// enough landmarks defines the map frame: its pose is the origin. Fix::time is the caller's.
   [[nodiscard]] Fix process(std::span<const ScanLandmark> landmarks, const Deadline& deadline) noexcept;
 
   /// Forgets everything; the next scan starts a new map.
@@ -77,8 +77,8 @@ class HypothesisSet {
   PaperSearch search_;
   MapBuilder builder_;
   std::array<std::optional<Hypothesis>, kHypothesesMax> pool_;  // the first hypotheses_max exist
-  FixedVector<std::uint32_t, kHypothesesMax> kept_;  // slots of pool_, best W first
-  BoundedVector<Point2> scan_B_;  // in the body frame: what core localises is the body
+  FixedVector<std::uint32_t, kHypothesesMax> kept_;             // slots of pool_, best W first
+  BoundedVector<Point2> scan_B_;   // in the body frame: what core localises is the body
   BoundedVector<Litter> litters_;  // per place in kept_
   Association association_;
   Counters counters_;

@@ -8,7 +8,8 @@ LandmarkMap::LandmarkMap(Arena& arena, const Capacities& capacities) noexcept
     : landmarks_(arena, "map: landmarks", capacities.map_landmarks),
       positions_W_(arena, "map: positions", capacities.map_landmarks),
       graph_(arena, "map: graph", capacities.map_landmarks, capacities.map_edges),
-      grid_(arena, "map: grid", capacities.map_landmarks) {}
+      grid_(arena, "map: grid", capacities.map_landmarks) {
+}
 
 bool LandmarkMap::try_add(const MapLandmark& landmark, const Point2& position_W) noexcept {
   return landmarks_.try_push_back(landmark) && positions_W_.try_push_back(position_W);
@@ -28,8 +29,9 @@ void LandmarkMap::remove(std::span<const bool> drop) noexcept {
 }
 
 std::optional<std::uint32_t> LandmarkMap::find(std::uint32_t id) const noexcept {
-  const auto* const place = std::lower_bound(landmarks_.begin(), landmarks_.end(), id,
-                                             [](const MapLandmark& l, std::uint32_t wanted) { return l.id < wanted; });
+  const auto* const place =
+      std::lower_bound(landmarks_.begin(), landmarks_.end(), id,
+                       [](const MapLandmark& l, std::uint32_t wanted) { return l.id < wanted; });
   if (place == landmarks_.end() || place->id != id) {
     return std::nullopt;
   }
@@ -37,13 +39,15 @@ std::optional<std::uint32_t> LandmarkMap::find(std::uint32_t id) const noexcept 
 }
 
 void LandmarkMap::rebuild_index(Delaunay& delaunay, const AssociationConfig& config) noexcept {
-  // A graph that cannot be built stays empty, and the search then finds nothing: no fix instead of a wrong one.
+  // A graph that cannot be built stays empty, and the search then finds nothing: no fix instead of a wrong
+  // one.
   (void)graph_.build(positions_W_.span(), delaunay, config.depth);
   grid_.build(positions_W_.span(), 2.0 * config.tolerance_m);
 }
 
 void LandmarkMap::copy_from(const LandmarkMap& other) noexcept {
-  SLAMSENSOR_ASSERT(landmarks_.assign(other.landmarks_.span()) && positions_W_.assign(other.positions_W_.span()));
+  SLAMSENSOR_ASSERT(landmarks_.assign(other.landmarks_.span()) &&
+                    positions_W_.assign(other.positions_W_.span()));
   graph_.copy_from(other.graph_);
   grid_.copy_from(other.grid_, positions_W_.span());
 }

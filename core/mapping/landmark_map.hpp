@@ -1,10 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <optional>
-#include <span>
-
 #include "core/association/map_view.hpp"
 #include "core/association/point_grid.hpp"
 #include "core/config.hpp"
@@ -14,6 +9,11 @@
 #include "core/memory/arena.hpp"
 #include "core/memory/bounded_vector.hpp"
 
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
 namespace slamsensor::core {
 
 /// A landmark of a map.
@@ -22,9 +22,11 @@ struct MapLandmark {
 
   std::uint32_t id = 0;  ///< unique within the hypothesis' history, increasing
   std::uint32_t xi = 0;  ///< positional error: triangulations between it and the origin
-  std::array<std::uint32_t, 3> parents{kNoParent, kNoParent, kNoParent};  ///< ids that triangulated it; none at xi 0
+  std::array<std::uint32_t, 3> parents{kNoParent, kNoParent,
+                                       kNoParent};  ///< ids that triangulated it; none at xi 0
   std::uint32_t sightings = 1;
-  std::uint32_t chances = 1;  ///< scans that could have seen it, sightings included
+  std::uint32_t chances =
+      1;  ///< scans that could have seen it, sightings included; counted only when pruning is on
   std::uint32_t first_scan = 0;
   std::uint32_t last_scan = 0;
 };
@@ -37,7 +39,8 @@ class LandmarkMap {
   /// False, and nothing changed, when the map is full.
   [[nodiscard]] bool try_add(const MapLandmark& landmark, const Point2& position_W) noexcept;
 
-  /// Takes out the landmarks for which `drop[i]` holds; the others keep their order. `drop` has a flag per landmark.
+  /// Takes out the landmarks for which `drop[i]` holds; the others keep their order. `drop` has a flag per
+  /// landmark.
   void remove(std::span<const bool> drop) noexcept;
 
   /// Index of the landmark with `id`; none when it has been removed.

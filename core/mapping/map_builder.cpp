@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace slamsensor::core {
 namespace {
@@ -32,12 +33,14 @@ MapBuilder::MapBuilder(Arena& arena, const Config& config) noexcept
       pruning_(arena, config.mapping, config.capacities),
       delaunay_(arena, config.capacities.map_landmarks),
       drop_(arena, "mapping: evicted", config.capacities.map_landmarks),
-      usefulness_(arena, "mapping: usefulness", config.capacities.map_landmarks) {}
+      usefulness_(arena, "mapping: usefulness", config.capacities.map_landmarks) {
+}
 
 void MapBuilder::start(std::span<const Point2> scan_L, std::uint32_t scan, Hypothesis& hypothesis) noexcept {
   hypothesis.clear();
   const ScanInMap first{Pose2{}, {}, scan_L, {}, scan};
-  constexpr std::array<std::uint32_t, 3> kNone{MapLandmark::kNoParent, MapLandmark::kNoParent, MapLandmark::kNoParent};
+  constexpr std::array<std::uint32_t, 3> kNone{MapLandmark::kNoParent, MapLandmark::kNoParent,
+                                               MapLandmark::kNoParent};
   add_unmatched(first, 0, kNone, hypothesis);
   add_to_path({scan, 0, Pose2{}}, hypothesis);
   hypothesis.map.rebuild_index(delaunay_, config_.association);
@@ -71,7 +74,8 @@ void MapBuilder::add_unmatched(const ScanInMap& scan, std::uint32_t scan_xi,
     landmark.xi = scan_xi;
     landmark.parents = parents;
     landmark.first_scan = landmark.last_scan = scan.number;
-    // Room was made, unless the map holds fewer landmarks than a scan: then the rest of the scan stays out of it.
+    // Room was made, unless the map holds fewer landmarks than a scan: then the rest of the scan stays out of
+    // it.
     if (!hypothesis.map.try_add(landmark, scan.pose_W * scan.scan_L[i])) {
       ++hypothesis.landmarks_evicted;
     }
@@ -94,7 +98,7 @@ void MapBuilder::make_room(std::uint32_t wanted, std::uint32_t scan, Hypothesis&
     const auto* const least = std::min_element(usefulness_.begin(), usefulness_.end());
     const auto index = static_cast<std::size_t>(least - usefulness_.begin());
     drop_[index] = true;
-    usefulness_[index] = 2.0;  // above every real one
+    usefulness_[index] = std::numeric_limits<double>::infinity();  // chosen
   }
   hypothesis.map.remove(drop_.span());
   hypothesis.landmarks_evicted += excess;

@@ -1,20 +1,20 @@
 #pragma once
 
-#include <cstdint>
-#include <span>
-
 #include "core/association/candidate.hpp"
 #include "core/config.hpp"
 #include "core/graph/delaunay.hpp"
 #include "core/mapping/hypothesis.hpp"
-#include "core/mapping/pruning.hpp"
 #include "core/mapping/positional_error.hpp"
+#include "core/mapping/pruning.hpp"
 #include "core/memory/arena.hpp"
+
+#include <cstdint>
+#include <span>
 
 namespace slamsensor::core {
 
-/// Brings localised scans into hypotheses: moves what was matched, adds what is new, forgets what was not confirmed,
-/// and keeps the index that the next association searches.
+/// Brings localised scans into hypotheses: moves what was matched, adds what is new, forgets what was not
+/// confirmed, and keeps the index that the next association searches.
 class MapBuilder {
  public:
   MapBuilder(Arena& arena, const Config& config) noexcept;
@@ -22,15 +22,15 @@ class MapBuilder {
   /// Makes `hypothesis` the map of its first scan, whose pose is the origin of the map frame.
   void start(std::span<const Point2> scan_L, std::uint32_t scan, Hypothesis& hypothesis) noexcept;
 
-  /// Brings the scan into the hypothesis as `candidate` places it. A full map makes room by losing its least useful
-  /// landmarks (fewest sightings for their chances, then longest unseen), a full path every other pose but the first;
-  /// both are counted in the hypothesis.
+  /// Brings the scan into the hypothesis as `candidate` places it. A full map makes room by losing its least
+  /// useful landmarks (fewest sightings for their chances, then longest unseen), a full path every other pose
+  /// but the first; both are counted in the hypothesis.
   void extend(std::span<const Point2> scan_L, const Candidate& candidate, std::uint32_t scan,
               Hypothesis& hypothesis) noexcept;
 
  private:
-  void add_unmatched(const ScanInMap& scan, std::uint32_t scan_xi, const std::array<std::uint32_t, 3>& parents,
-                     Hypothesis& hypothesis) noexcept;
+  void add_unmatched(const ScanInMap& scan, std::uint32_t scan_xi,
+                     const std::array<std::uint32_t, 3>& parents, Hypothesis& hypothesis) noexcept;
   void make_room(std::uint32_t wanted, std::uint32_t scan, Hypothesis& hypothesis) noexcept;
 
   Config config_;

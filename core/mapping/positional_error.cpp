@@ -5,8 +5,8 @@
 namespace slamsensor::core {
 namespace {
 
-/// The rigid motion that carries the places of three parents before an update to those after it; none when a parent is
-/// gone or none of them moved.
+/// The rigid motion that carries the places of three parents before an update to those after it; none when a
+/// parent is gone or none of them moved.
 std::optional<Pose2> motion_of_parents(const MapLandmark& landmark, std::span<const Point2> before_W,
                                        const LandmarkMap& map) noexcept {
   std::array<Match, 3> pairs;
@@ -24,10 +24,13 @@ std::optional<Pose2> motion_of_parents(const MapLandmark& landmark, std::span<co
 
 }  // namespace
 
-PositionalError::PositionalError(Arena& arena, const MappingConfig& config, const Capacities& capacities) noexcept
-    : config_(config), before_W_(arena, "mapping: positions before", capacities.map_landmarks) {}
+PositionalError::PositionalError(Arena& arena, const MappingConfig& config,
+                                 const Capacities& capacities) noexcept
+    : config_(config), before_W_(arena, "mapping: positions before", capacities.map_landmarks) {
+}
 
-std::uint32_t PositionalError::of_scan(const LandmarkMap& map, const std::array<std::uint32_t, 3>& triangle) noexcept {
+std::uint32_t PositionalError::of_scan(const LandmarkMap& map,
+                                       const std::array<std::uint32_t, 3>& triangle) noexcept {
   std::uint32_t largest = 0;
   for (const std::uint32_t index : triangle) {
     largest = std::max(largest, map.landmarks()[index].xi);
@@ -66,8 +69,8 @@ std::uint32_t PositionalError::update_matched(const ScanInMap& scan, LandmarkMap
   return scan_xi;
 }
 
-/// Carries corrections on, level by level: the parents of a landmark have a smaller xi, so a level is final before the
-/// next one asks for it, and no recursion is needed.
+/// Carries corrections on, level by level: the parents of a landmark have a smaller xi, so a level is final
+/// before the next one asks for it, and no recursion is needed.
 void PositionalError::propagate(std::uint32_t scan_xi, LandmarkMap& map) noexcept {
   std::uint32_t xi_max = 0;
   for (const MapLandmark& landmark : map.landmarks()) {

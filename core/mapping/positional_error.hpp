@@ -1,14 +1,14 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <span>
-
 #include "core/association/rigid_fit.hpp"
 #include "core/config.hpp"
 #include "core/mapping/landmark_map.hpp"
 #include "core/memory/arena.hpp"
 #include "core/memory/bounded_vector.hpp"
+
+#include <array>
+#include <cstdint>
+#include <span>
 
 namespace slamsensor::core {
 
@@ -21,8 +21,8 @@ struct ScanInMap {
   std::uint32_t number = 0;
 };
 
-/// The paper's Algorithm 1 (DESIGN 2.5): brings scans into a map and keeps each landmark's error xi, the number of
-/// triangulations between it and the origin.
+/// The paper's Algorithm 1 (DESIGN 2.5): brings scans into a map and keeps each landmark's error xi, the
+/// number of triangulations between it and the origin.
 class PositionalError {
  public:
   PositionalError(Arena& arena, const MappingConfig& config, const Capacities& capacities) noexcept;
@@ -31,8 +31,8 @@ class PositionalError {
   [[nodiscard]] static std::uint32_t of_scan(const LandmarkMap& map,
                                              const std::array<std::uint32_t, 3>& triangle) noexcept;
 
-  /// Updates the matched landmarks and, when configured, what was triangulated from those that moved. Adds nothing. The
-  /// map's index is out of date afterwards. Returns the scan's xi.
+  /// Updates the matched landmarks and, when configured, what was triangulated from those that moved. Adds
+  /// nothing. The map's index is out of date afterwards. Returns the scan's xi.
   std::uint32_t update_matched(const ScanInMap& scan, LandmarkMap& map) noexcept;
 
  private:

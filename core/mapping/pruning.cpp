@@ -22,8 +22,10 @@ bool inside(const Point2& p, std::span<const Point2> corners) noexcept {
 
 Pruning::Pruning(Arena& arena, const MappingConfig& config, const Capacities& capacities) noexcept
     : config_(config),
-      corners_W_(arena, "mapping: view outline", 3 * (static_cast<std::size_t>(capacities.scan_landmarks) + 1)),
-      drop_(arena, "mapping: pruned", capacities.map_landmarks) {}
+      corners_W_(arena, "mapping: view outline",
+                 3 * (static_cast<std::size_t>(capacities.scan_landmarks) + 1)),
+      drop_(arena, "mapping: pruned", capacities.map_landmarks) {
+}
 
 void Pruning::apply(const ScanInMap& scan, LandmarkMap& map) noexcept {
   if (config_.prune_share <= 0.0) {

@@ -1,13 +1,13 @@
 #pragma once
 
+#include "core/memory/assert.hpp"
+#include "core/memory/fixed_vector.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <new>
 #include <span>
 #include <type_traits>
-
-#include "core/memory/assert.hpp"
-#include "core/memory/fixed_vector.hpp"
 
 namespace slamsensor::core {
 
@@ -18,9 +18,9 @@ struct MemoryPlanEntry {
   std::size_t bytes;
 };
 
-/// Hands out typed arrays from one block and never gives them back (DESIGN 2.7). Without a block it measures: every
-/// array is null, but the plan and the total are those that the same calls take from a real block. Constructors
-/// therefore only take arrays and must not touch them when `measuring()`. One thread.
+/// Hands out typed arrays from one block and never gives them back (DESIGN 2.7). Without a block it measures:
+/// every array is null, but the plan and the total are those that the same calls take from a real block.
+/// Constructors therefore only take arrays and must not touch them when `measuring()`. One thread.
 class Arena {
  public:
   static constexpr std::size_t kAlignment = 64;  // a cache line, so that no two arrays share one
@@ -35,8 +35,8 @@ class Arena {
     SLAMSENSOR_ASSERT(reinterpret_cast<std::uintptr_t>(block.data()) % kAlignment == 0);
   }
 
-  /// `count` value-initialised objects of T, or null when measuring. A block too small for what was measured is a
-  /// broken invariant and stops the process.
+  /// `count` value-initialised objects of T, or null when measuring. A block too small for what was measured
+  /// is a broken invariant and stops the process.
   template <typename T>
   [[nodiscard]] T* take(const char* name, std::size_t count) noexcept {
     static_assert(std::is_trivially_destructible_v<T> && alignof(T) <= kAlignment);

@@ -1,12 +1,12 @@
 #pragma once
 
+#include "core/memory/arena.hpp"
+#include "core/memory/assert.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <span>
 #include <type_traits>
-
-#include "core/memory/arena.hpp"
-#include "core/memory/assert.hpp"
 
 namespace slamsensor::core {
 
@@ -33,7 +33,8 @@ class BoundedVector {
     return true;
   }
 
-  /// Sets the size; what new elements hold is not said. False, and nothing changed, when it exceeds the capacity.
+  /// Sets the size; what new elements hold is not said. False, and nothing changed, when it exceeds the
+  /// capacity.
   [[nodiscard]] bool try_resize(std::size_t size) noexcept {
     if (size > capacity_) {
       return false;
@@ -42,7 +43,8 @@ class BoundedVector {
     return true;
   }
 
-  /// Sets the size; new elements are copies of `value`. False, and nothing changed, when it exceeds the capacity.
+  /// Sets the size; new elements are copies of `value`. False, and nothing changed, when it exceeds the
+  /// capacity.
   [[nodiscard]] bool try_resize(std::size_t size, const T& value) noexcept {
     if (size > capacity_) {
       return false;

@@ -1,16 +1,16 @@
 #pragma once
 
+#include "core/memory/assert.hpp"
+
 #include <array>
 #include <cstddef>
 #include <span>
 
-#include "core/memory/assert.hpp"
-
 namespace slamsensor::core {
 
-/// A vector of at most N values in place. It cannot overflow: `try_push_back` says when it is full. Every access is
-/// checked. Trivially copyable when T is, so that it may stand in arenas and queues (boost::container::static_vector is
-/// not, and asserts or throws on overflow).
+/// A vector of at most N values in place. It cannot overflow: `try_push_back` says when it is full. Every
+/// access is checked. Trivially copyable when T is, so that it may stand in arenas and queues
+/// (boost::container::static_vector is not, and asserts or throws on overflow).
 template <typename T, std::size_t N>
 class FixedVector {
  public:

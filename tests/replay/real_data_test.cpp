@@ -1,5 +1,16 @@
-// The product on the real data sets, end to end. The sets are not part of the project: SLAMSENSOR_DATA names their folder,
-// and without it these tests skip.
+// The product on the real data sets, end to end. The sets are not part of the project: SLAMSENSOR_DATA names
+// their folder, and without it these tests skip.
+
+#include "core/localizer.hpp"
+#include "firmware/config/load_config.hpp"
+#include "tests/support/in_arena.hpp"
+#include "tools/eval/evaluation.hpp"
+#include "tools/eval/evaluation_report.hpp"
+#include "tools/input/tum.hpp"
+#include "tools/output/trajectory_tum.hpp"
+#include "tools/replay/replay.hpp"
+
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdio>
@@ -10,17 +21,6 @@
 #include <numbers>
 #include <string>
 #include <vector>
-
-#include <gtest/gtest.h>
-
-#include "core/localizer.hpp"
-#include "firmware/config/load_config.hpp"
-#include "tests/support/in_arena.hpp"
-#include "tools/eval/evaluation.hpp"
-#include "tools/eval/evaluation_report.hpp"
-#include "tools/input/tum.hpp"
-#include "tools/output/trajectory_tum.hpp"
-#include "tools/replay/replay.hpp"
 
 namespace slamsensor::tools {
 namespace {
@@ -119,8 +119,8 @@ TEST_F(RealData, RiojaPlotsAllMatchTheirSurvey) {
     ASSERT_TRUE(localizer->set_map(map_W));
     const core::Fix fix = localizer->locate(scans.at(plot), {});
     const double rotation_deg = fix.pose_W.heading_rad * 180.0 / std::numbers::pi;
-    std::printf("rioja plot %2d: %u of %zu trees, %.2f deg, %.2f m\n", plot, fix.matches, scans.at(plot).size(),
-                rotation_deg, fix.pose_W.translation().norm());
+    std::printf("rioja plot %2d: %u of %zu trees, %.2f deg, %.2f m\n", plot, fix.matches,
+                scans.at(plot).size(), rotation_deg, fix.pose_W.translation().norm());
     EXPECT_EQ(fix.status, core::FixStatus::Fix) << "plot " << plot;
     EXPECT_GE(fix.matches, 26U) << "plot " << plot;
     EXPECT_GE(rotation_deg, -11.0) << "plot " << plot;
@@ -128,8 +128,9 @@ TEST_F(RealData, RiojaPlotsAllMatchTheirSurvey) {
   }
 }
 
-// Every plot against every other plot's survey. Neighbouring plots, 20 m apart, share trees and are rightly found in each
-// other; all surveys are turned against all scans by the same 7 to 11 degrees, so a fix with another rotation is wrong.
+// Every plot against every other plot's survey. Neighbouring plots, 20 m apart, share trees and are rightly
+// found in each other; all surveys are turned against all scans by the same 7 to 11 degrees, so a fix with
+// another rotation is wrong.
 TEST_F(RealData, RiojaPlotsAreFoundInNeighboursOnlyAsTheyLie) {
   const auto maps = read_plots(data_folder() / "rioja_plots/map.csv");
   const auto scans = read_plots(data_folder() / "rioja_plots/scan.csv");

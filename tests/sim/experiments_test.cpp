@@ -1,5 +1,15 @@
-// The paper's experiments in simulated worlds: seeded drives, whole pipeline from readings to fixes, judged against the
-// truth. SLAMSENSOR_SIM_SEEDS says how many seeds (default 4; 20 for the table of the README).
+// The paper's experiments in simulated worlds: seeded drives, whole pipeline from readings to fixes, judged
+// against the truth. SLAMSENSOR_SIM_SEEDS says how many seeds (default 4; 20 for the table of the README).
+
+#include "firmware/config/load_config.hpp"
+#include "firmware/pipeline.hpp"
+#include "tools/eval/evaluation.hpp"
+#include "tools/world/drive.hpp"
+#include "tools/world/sweep.hpp"
+#include "tools/world/world_loader.hpp"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>
@@ -8,16 +18,6 @@
 #include <filesystem>
 #include <string>
 #include <vector>
-
-#include <Eigen/LU>
-#include <gtest/gtest.h>
-
-#include "firmware/config/load_config.hpp"
-#include "firmware/pipeline.hpp"
-#include "tools/eval/evaluation.hpp"
-#include "tools/world/drive.hpp"
-#include "tools/world/sweep.hpp"
-#include "tools/world/world_loader.hpp"
 
 namespace slamsensor::tools {
 namespace {
@@ -36,7 +36,8 @@ struct Outcome {
   std::size_t wrong = 0;
   double rms_m = 0.0;
   double max_m = 0.0;
-  std::vector<double> nees;  // normalised estimation error squared of every fix but the first, 3 degrees of freedom
+  std::vector<double>
+      nees;  // normalised estimation error squared of every fix but the first, 3 degrees of freedom
   std::uint32_t map = 0;
   std::vector<double> milliseconds;  // one core, detection and association
 };
@@ -52,8 +53,8 @@ double median(std::vector<double> values) {
   return values.empty() ? 0.0 : values[values.size() / 2];
 }
 
-Outcome drive(const World& world, const core::Config& config, const SweepConfig& sweep, const DriveConfig& way,
-              std::uint64_t seed) {
+Outcome drive(const World& world, const core::Config& config, const SweepConfig& sweep,
+              const DriveConfig& way, std::uint64_t seed) {
   Outcome outcome;
   const auto stands = make_drive(world, way, seed);
   EXPECT_TRUE(stands) << stands.error().message;
@@ -95,13 +96,16 @@ struct Case {
   double fixes_share_min;  ///< of all scans of all seeds
 };
 
-void PrintTo(const Case& c, std::ostream* out) { *out << c.world << ", experiment " << c.experiment; }
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.world << ", experiment " << c.experiment;
+}
 
 class Experiments : public testing::TestWithParam<Case> {};
 
 TEST_P(Experiments, FixWithoutAWrongOne) {
   const auto [world_name, experiment, fixes_share_min] = GetParam();
-  const auto config = firmware::load_config(kConfigDir / ("experiment-" + std::to_string(experiment) + ".toml"));
+  const auto config =
+      firmware::load_config(kConfigDir / ("experiment-" + std::to_string(experiment) + ".toml"));
   ASSERT_TRUE(config) << firmware::error_lines(config.error());
   auto world_config = load_world(kConfigDir / "worlds" / world_name);
   ASSERT_TRUE(world_config) << world_config.error().message;
@@ -113,14 +117,15 @@ TEST_P(Experiments, FixWithoutAWrongOne) {
   Outcome all;
   std::printf("%-16s seed  fixes ambiguous wrong  rms m  max m   map  median ms  NEES\n", world_name);
   for (std::uint64_t n = 1; n <= seed_count(); ++n) {
-    const std::uint64_t seed = 1000 * static_cast<std::uint64_t>(experiment) + n;  // each experiment its own worlds
+    const std::uint64_t seed =
+        1000 * static_cast<std::uint64_t>(experiment) + n;  // each experiment its own worlds
     world_config->seed = seed;
     const auto world = World::create(*world_config);
     ASSERT_TRUE(world) << world.error().message;
     Outcome one = drive(*world, config->config.core, sweep, way, seed);
     std::printf("experiment %d %9llu %3zu/%zu %9zu %5zu %6.3f %6.3f %5u %10.2f %8.1f\n", experiment,
-                static_cast<unsigned long long>(seed), one.fixes, one.scans, one.ambiguous, one.wrong, one.rms_m,
-                one.max_m, one.map, median(one.milliseconds), median(one.nees));
+                static_cast<unsigned long long>(seed), one.fixes, one.scans, one.ambiguous, one.wrong,
+                one.rms_m, one.max_m, one.map, median(one.milliseconds), median(one.nees));
     EXPECT_EQ(one.wrong, 0U) << "seed " << seed;
     all.scans += one.scans;
     all.fixes += one.fixes;

@@ -1,14 +1,14 @@
 #pragma once
 
+#include "core/geometry/pose2.hpp"
+#include "core/landmark.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <random>
 #include <vector>
-
-#include "core/geometry/pose2.hpp"
-#include "core/landmark.hpp"
 
 namespace slamsensor::tests {
 
@@ -71,8 +71,8 @@ struct ScanModel {
 };
 
 /// The landmarks seen from `pose_W`, in the sensor frame.
-inline std::vector<core::Point2> scan_forest(const Forest& forest, const core::Pose2& pose_W, const ScanModel& model,
-                                             Draw& draw) {
+inline std::vector<core::Point2> scan_forest(const Forest& forest, const core::Pose2& pose_W,
+                                             const ScanModel& model, Draw& draw) {
   std::vector<core::Point2> trees = forest.trees_W;
   const core::Point2 here = pose_W.translation();
   const std::size_t nearest = std::min<std::size_t>(model.nearest, trees.size());
@@ -83,7 +83,8 @@ inline std::vector<core::Point2> scan_forest(const Forest& forest, const core::P
   std::vector<core::Point2> scan_L;
   for (std::size_t i = 0; i < nearest; ++i) {
     if (draw.uniform(0.0, 1.0) >= model.dropped_share) {
-      scan_L.push_back(T_L_W * trees[i] + core::Point2(draw.normal(model.sigma_m), draw.normal(model.sigma_m)));
+      scan_L.push_back(T_L_W * trees[i] +
+                       core::Point2(draw.normal(model.sigma_m), draw.normal(model.sigma_m)));
     }
   }
   for (std::uint32_t i = 0; i < model.spurious; ++i) {
@@ -97,7 +98,8 @@ inline std::vector<core::Point2> scan_forest(const Forest& forest, const core::P
 /// A pose in the inner part of the forest, so that the scan's trees lie all around.
 inline core::Pose2 pose_in(const Forest& forest, Draw& draw) {
   const double reach = 0.5 * forest.side_m - 15.0;
-  return {draw.uniform(-reach, reach), draw.uniform(-reach, reach), draw.uniform(-std::numbers::pi, std::numbers::pi)};
+  return {draw.uniform(-reach, reach), draw.uniform(-reach, reach),
+          draw.uniform(-std::numbers::pi, std::numbers::pi)};
 }
 
 inline std::vector<core::ScanLandmark> as_landmarks(const std::vector<core::Point2>& scan_L) {

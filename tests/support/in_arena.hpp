@@ -1,23 +1,25 @@
 #pragma once
 
+#include "core/memory/arena.hpp"
+
 #include <cstddef>
 #include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "core/memory/arena.hpp"
-
 namespace slamsensor::tests {
 
-/// A T whose constructor takes an arena first, made as the product makes it: measured, then built in a block of just
-/// that size.
+/// A T whose constructor takes an arena first, made as the product makes it: measured, then built in a block
+/// of just that size.
 template <typename T>
 class InArena {
  public:
   template <typename... Args>
   explicit InArena(const Args&... args)
-      : block_(lines_of(args...)), arena_(std::as_writable_bytes(std::span(block_))), value_(arena_, args...) {}
+      : block_(lines_of(args...)),
+        arena_(std::as_writable_bytes(std::span(block_))),
+        value_(arena_, args...) {}
   InArena(const InArena&) = delete;
   InArena& operator=(const InArena&) = delete;
 

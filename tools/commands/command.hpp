@@ -1,10 +1,9 @@
 #pragma once
 
-#include <sysexits.h>
+#include <tl/expected.hpp>
 
 #include <string>
-
-#include <tl/expected.hpp>
+#include <sysexits.h>
 
 namespace CLI {
 class App;

@@ -1,14 +1,14 @@
-#include <array>
-#include <cstdio>
-#include <memory>
-#include <string_view>
-
-#include <CLI/CLI.hpp>
-
 #include "core/slam.hpp"
 #include "firmware/config/list_config.hpp"
 #include "tools/commands/command.hpp"
 #include "tools/commands/config_options.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <array>
+#include <cstdio>
+#include <memory>
+#include <string_view>
 
 namespace slamsensor::tools {
 namespace {
@@ -60,7 +60,8 @@ CommandResult memory(const ConfigOptions& options) {
 void add_check_config(CLI::App& app, CommandResult& result) {
   auto options = std::make_shared<ConfigOptions>();
   auto defaults = std::make_shared<bool>(false);
-  CLI::App* verb = app.add_subcommand("check-config", "check a configuration; print every value in force and its origin");
+  CLI::App* verb =
+      app.add_subcommand("check-config", "check a configuration; print every value in force and its origin");
   options->add_to(*verb);
   verb->add_option("FILE", options->file, "the same as --config FILE");
   verb->add_flag("--defaults", *defaults, "print the commented default file instead");

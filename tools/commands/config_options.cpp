@@ -9,9 +9,9 @@ namespace {
 std::string as_toml(const std::string& setting) {
   const std::size_t equals = setting.find('=');
   const std::string value = equals == std::string::npos ? "" : setting.substr(equals + 1);
-  const bool bare_word = !value.empty() && value != "true" && value != "false" && value != "inf" && value != "nan" &&
-                         value.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_") ==
-                             std::string::npos;
+  const bool bare_word =
+      !value.empty() && value != "true" && value != "false" && value != "inf" && value != "nan" &&
+      value.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_") == std::string::npos;
   return bare_word ? setting.substr(0, equals + 1) + '"' + value + '"' : setting;
 }
 
@@ -19,7 +19,8 @@ std::string as_toml(const std::string& setting) {
 
 void ConfigOptions::add_to(CLI::App& verb) {
   verb.add_option("-c,--config", file, "configuration file (TOML); see config/")->type_name("FILE");
-  verb.add_option("--set", settings, "one setting on top of the file, for example association.tolerance_m=0.75")
+  verb.add_option("--set", settings,
+                  "one setting on top of the file, for example association.tolerance_m=0.75")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
 }

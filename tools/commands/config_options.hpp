@@ -1,12 +1,12 @@
 #pragma once
 
-#include <string>
-#include <vector>
+#include "firmware/config/load_config.hpp"
+#include "tools/commands/command.hpp"
 
 #include <tl/expected.hpp>
 
-#include "firmware/config/load_config.hpp"
-#include "tools/commands/command.hpp"
+#include <string>
+#include <vector>
 
 namespace slamsensor::tools {
 

@@ -1,8 +1,3 @@
-#include <cstdio>
-#include <memory>
-
-#include <CLI/CLI.hpp>
-
 #include "core/fix_names.hpp"
 #include "tools/commands/config_options.hpp"
 #include "tools/commands/drive_options.hpp"
@@ -11,6 +6,11 @@
 #include "tools/output/trajectory_tum.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/replay/replay_report.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <memory>
 
 namespace slamsensor::tools {
 namespace {
@@ -22,13 +22,15 @@ struct Options {
 };
 
 void print_heading() {
-  std::printf("%5s  %-9s %9s %9s %9s  %7s %5s %3s\n", "scan", "status", "x m", "y m", "heading", "matches", "map", "xi");
+  std::printf("%5s  %-9s %9s %9s %9s  %7s %5s %3s\n", "scan", "status", "x m", "y m", "heading", "matches",
+              "map", "xi");
 }
 
 void print_fix(const FixRow& row) {
   const core::Fix& fix = row.fix;
   const std::string_view status = core::to_string(fix.status);
-  std::printf("%5lld  %-9.*s ", static_cast<long long>(row.scan), static_cast<int>(status.size()), status.data());
+  std::printf("%5lld  %-9.*s ", static_cast<long long>(row.scan), static_cast<int>(status.size()),
+              status.data());
   if (fix.status == core::FixStatus::NoFix) {
     const std::string_view reason = core::to_string(fix.reason);
     std::printf("%.*s\n", static_cast<int>(reason.size()), reason.data());
@@ -44,7 +46,8 @@ tl::expected<void, CommandError> clear_scans(const std::filesystem::path& folder
   std::error_code error;
   std::filesystem::remove_all(folder, error);
   if (error) {
-    return tl::unexpected(CommandError{folder.string() + ": " + error.message() + "; choose another --out\n", EX_CANTCREAT});
+    return tl::unexpected(
+        CommandError{folder.string() + ": " + error.message() + "; choose another --out\n", EX_CANTCREAT});
   }
   return {};
 }
@@ -59,29 +62,34 @@ CommandResult run(Options& options) {
     return tl::unexpected(cleared.error());
   }
   options.drive.simulate.out = scans;
-  std::printf("A sensor is carried through a simulated bush world, and kidnapped now and then. It knows neither where it\n"
-              "starts nor how it moved: every scan is matched with the map that it builds itself.\n\n");
+  std::printf(
+      "A sensor is carried through a simulated bush world, and kidnapped now and then. It knows neither "
+      "where it\n"
+      "starts nor how it moved: every scan is matched with the map that it builds itself.\n\n");
   const auto simulated = options.drive.run();
   if (!simulated) {
     return tl::unexpected(simulated.error());
   }
   print_heading();
-  const auto result = replay({scans}, loaded->config,
-                             [](std::size_t, std::size_t, const FixRow& row) { print_fix(row); });
+  const auto result =
+      replay({scans}, loaded->config, [](std::size_t, std::size_t, const FixRow& row) { print_fix(row); });
   const auto truth = read_tum(scans / "truth.tum");
   if (!result || !truth) {
-    return tl::unexpected(CommandError{(result ? truth.error() : result.error()).message + '\n', EX_SOFTWARE});
+    return tl::unexpected(
+        CommandError{(result ? truth.error() : result.error()).message + '\n', EX_SOFTWARE});
   }
   const auto evaluation = evaluate(*truth, trajectory_of(result->rows));
   if (!evaluation) {
     return tl::unexpected(CommandError{evaluation.error().message + '\n', EX_SOFTWARE});
   }
-  const auto written = write_replay(*result, loaded->config, *truth, *evaluation, MeasuredTimes::Written, options.out);
+  const auto written =
+      write_replay(*result, loaded->config, *truth, *evaluation, MeasuredTimes::Written, options.out);
   if (!written) {
     return tl::unexpected(CommandError{written.error().message + '\n', EX_CANTCREAT});
   }
-  std::printf("\n%s%s\npicture: %s   NMEA: %s\n", replay_summary(*result).c_str(), evaluation_text(*evaluation).c_str(),
-              (options.out / "plot.svg").c_str(), (options.out / "track.nmea").c_str());
+  std::printf("\n%s%s\npicture: %s   NMEA: %s\n", replay_summary(*result).c_str(),
+              evaluation_text(*evaluation).c_str(), (options.out / "plot.svg").c_str(),
+              (options.out / "track.nmea").c_str());
   return EX_OK;
 }
 
@@ -91,10 +99,13 @@ void add_demo(CLI::App& app, CommandResult& result) {
   auto options = std::make_shared<Options>();
   options->drive.simulate.drive.stands = 30;
   options->drive.simulate.drive.kidnap_share = 0.15;
-  CLI::App* verb = app.add_subcommand("demo", "the main job on a simulated bush world: scans, fixes, map, picture");
+  CLI::App* verb =
+      app.add_subcommand("demo", "the main job on a simulated bush world: scans, fixes, map, picture");
   options->config.add_to(*verb);
   options->drive.add_to(*verb);
-  verb->add_option("--world", options->drive.simulate.world, "world file (TOML)")->required()->type_name("FILE");
+  verb->add_option("--world", options->drive.simulate.world, "world file (TOML)")
+      ->required()
+      ->type_name("FILE");
   verb->add_option("--out", options->out, "folder for the results")->capture_default_str();
   verb->callback([options, &result] { result = run(*options); });
 }

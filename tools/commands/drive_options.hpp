@@ -1,10 +1,10 @@
 #pragma once
 
-#include <cstdint>
-#include <string>
-
 #include "tools/commands/command.hpp"
 #include "tools/world/simulate.hpp"
+
+#include <cstdint>
+#include <string>
 
 namespace slamsensor::tools {
 

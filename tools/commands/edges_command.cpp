@@ -1,12 +1,3 @@
-#include <cmath>
-#include <cstdint>
-#include <cstdio>
-#include <cstdlib>
-#include <memory>
-#include <vector>
-
-#include <CLI/CLI.hpp>
-
 #include "core/graph/delaunay.hpp"
 #include "core/graph/landmark_graph.hpp"
 #include "core/memory/arena.hpp"
@@ -15,6 +6,15 @@
 #include "tools/output/write_file.hpp"
 #include "tools/plot/curve_plot.hpp"
 #include "tools/world/random.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <vector>
 
 namespace slamsensor::tools {
 namespace {
@@ -97,17 +97,25 @@ CommandResult run(const Options& options) {
     return EX_OK;
   }
   const auto written = write_file(options.out, draw_curve(plot));
-  return written ? CommandResult(EX_OK) : tl::unexpected(CommandError{written.error().message + '\n', EX_CANTCREAT});
+  return written ? CommandResult(EX_OK)
+                 : tl::unexpected(CommandError{written.error().message + '\n', EX_CANTCREAT});
 }
 
 }  // namespace
 
 void add_edges(CLI::App& app, CommandResult& result) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("edges", "count the edges of random landmark graphs against depth (Fig. 5)");
-  verb->add_option("--points", options->points, "landmarks in a set")->check(CLI::Range(3, 3000))->capture_default_str();
-  verb->add_option("--depth", options->depth, "largest depth")->check(CLI::Range(1, 50))->capture_default_str();
-  verb->add_option("--sets", options->sets, "random sets to average")->check(CLI::Range(1, 1000))->capture_default_str();
+  CLI::App* verb =
+      app.add_subcommand("edges", "count the edges of random landmark graphs against depth (Fig. 5)");
+  verb->add_option("--points", options->points, "landmarks in a set")
+      ->check(CLI::Range(3, 3000))
+      ->capture_default_str();
+  verb->add_option("--depth", options->depth, "largest depth")
+      ->check(CLI::Range(1, 50))
+      ->capture_default_str();
+  verb->add_option("--sets", options->sets, "random sets to average")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   verb->add_option("--seed", options->seed, "of the first set")->capture_default_str();
   verb->add_option("--out", options->out, "draw the curve to this SVG file")->type_name("F.svg");
   verb->callback([options, &result] { result = run(*options); });

@@ -1,12 +1,12 @@
-#include <cstdio>
-#include <memory>
-
-#include <CLI/CLI.hpp>
-
 #include "core/config.hpp"
 #include "tools/commands/command.hpp"
 #include "tools/eval/evaluation_report.hpp"
 #include "tools/input/tum.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <memory>
 
 namespace slamsensor::tools {
 namespace {
@@ -40,7 +40,8 @@ CommandResult run(const Options& options) {
 
 void add_eval(CLI::App& app, CommandResult& result) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("eval", "compare a trajectory with the truth: fixes, wrong fixes, errors");
+  CLI::App* verb =
+      app.add_subcommand("eval", "compare a trajectory with the truth: fixes, wrong fixes, errors");
   verb->add_option("--truth", options->truth, "true poses")->required()->type_name("T.tum");
   verb->add_flag("--json", options->json, "print one JSON object");
   verb->add_option("--wrong-distance", options->wrong_m, "a fix farther off than this is wrong, m")
@@ -49,7 +50,9 @@ void add_eval(CLI::App& app, CommandResult& result) {
   verb->add_option("--wrong-heading", options->wrong_deg, "a fix turned by more than this is wrong, deg")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
-  verb->add_option("TRAJECTORY", options->trajectory, "trajectory.tum of a replay")->required()->type_name("F.tum");
+  verb->add_option("TRAJECTORY", options->trajectory, "trajectory.tum of a replay")
+      ->required()
+      ->type_name("F.tum");
   verb->callback([options, &result] { result = run(*options); });
 }
 

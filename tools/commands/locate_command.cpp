@@ -1,12 +1,3 @@
-#include <algorithm>
-#include <array>
-#include <chrono>
-#include <cstdio>
-#include <memory>
-#include <vector>
-
-#include <CLI/CLI.hpp>
-
 #include "core/fix_names.hpp"
 #include "core/localizer.hpp"
 #include "tools/commands/command.hpp"
@@ -15,6 +6,15 @@
 #include "tools/input/map_csv.hpp"
 #include "tools/input/scan_source.hpp"
 #include "tools/output/write_file.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <vector>
 
 namespace slamsensor::tools {
 namespace {
@@ -56,7 +56,8 @@ class Located {
 /// The configuration with room for the whole map: it is known before anything is taken.
 core::Config with_room_for(core::Config config, std::size_t landmarks) {
   const auto count = static_cast<std::uint32_t>(std::max<std::size_t>(landmarks, 1));
-  const double edges_each = static_cast<double>(config.capacities.map_edges) / config.capacities.map_landmarks;
+  const double edges_each =
+      static_cast<double>(config.capacities.map_edges) / config.capacities.map_landmarks;
   config.capacities.map_landmarks = count;
   config.capacities.map_edges = static_cast<std::uint32_t>(edges_each * count) + 64;
   return config;
@@ -93,10 +94,11 @@ void print_summary(const std::vector<Query>& queries, std::size_t map_landmarks)
   }
   std::sort(times.begin(), times.end());
   const auto at = [&](double share) {
-    return times.empty() ? 0.0 : times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
+    return times.empty() ? 0.0
+                         : times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
   };
-  std::printf("map        %zu landmarks\nqueries    %zu: %zu fixes, %zu ambiguous, %zu no fix\n", map_landmarks,
-              queries.size(), by_status[2], by_status[1], by_status[0]);
+  std::printf("map        %zu landmarks\nqueries    %zu: %zu fixes, %zu ambiguous, %zu no fix\n",
+              map_landmarks, queries.size(), by_status[2], by_status[1], by_status[0]);
   std::printf("time       median %.3f ms, 99 %% %.3f ms, worst %.3f ms\n", at(0.5), at(0.99), at(1.0));
 }
 
@@ -115,7 +117,8 @@ CommandResult run(const Options& options) {
     return tl::unexpected(CommandError{source.error().message + '\n', EX_DATAERR});
   }
   std::vector<core::Point2> map_W;
-  std::transform(map->begin(), map->end(), std::back_inserter(map_W), [](const MapPoint& p) { return p.position_W; });
+  std::transform(map->begin(), map->end(), std::back_inserter(map_W),
+                 [](const MapPoint& p) { return p.position_W; });
   Located localizer(with_room_for(loaded->config.core, map_W.size()));
   if (!localizer->set_map(map_W)) {
     return tl::unexpected(CommandError{options.map.string() + ": a landmark is out of reach\n", EX_DATAERR});
@@ -125,9 +128,11 @@ CommandResult run(const Options& options) {
   for (;;) {
     const auto scan = (*source)->next();
     if (!scan || (*scan && !(*scan)->is_landmark_list)) {
-      return tl::unexpected(CommandError{(scan ? options.scans.string() + ": locate takes a landmark list (scan,x_m,y_m)"
-                                               : scan.error().message) + '\n',
-                                         EX_DATAERR});
+      return tl::unexpected(
+          CommandError{(scan ? options.scans.string() + ": locate takes a landmark list (scan,x_m,y_m)"
+                             : scan.error().message) +
+                           '\n',
+                       EX_DATAERR});
     }
     if (!*scan) {
       break;

@@ -1,8 +1,3 @@
-#include <cstdio>
-#include <memory>
-
-#include <CLI/CLI.hpp>
-
 #include "tools/commands/command.hpp"
 #include "tools/commands/config_options.hpp"
 #include "tools/commands/progress_bar.hpp"
@@ -11,6 +6,11 @@
 #include "tools/output/trajectory_tum.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/replay/replay_report.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <memory>
 
 namespace slamsensor::tools {
 namespace {
@@ -27,7 +27,9 @@ tl::expected<std::vector<TimedPose>, CommandError> read_truth(const std::string&
   if (path.empty()) {
     return std::vector<TimedPose>{};
   }
-  return read_tum(path).map_error([](const InputError& e) { return CommandError{e.message + '\n', EX_DATAERR}; });
+  return read_tum(path).map_error([](const InputError& e) {
+    return CommandError{e.message + '\n', EX_DATAERR};
+  });
 }
 
 /// Exit status EX_DATAERR when a scan was refused, after everything that could be done is done.
@@ -57,8 +59,9 @@ CommandResult run(const Options& options) {
     }
     evaluation = std::move(*compared);
   }
-  const auto written = write_replay(*result, loaded->config, *truth, evaluation,
-                                    options.no_times ? MeasuredTimes::Empty : MeasuredTimes::Written, options.out);
+  const auto written =
+      write_replay(*result, loaded->config, *truth, evaluation,
+                   options.no_times ? MeasuredTimes::Empty : MeasuredTimes::Written, options.out);
   if (!written) {
     return tl::unexpected(CommandError{written.error().message + '\n', EX_CANTCREAT});
   }
@@ -77,13 +80,16 @@ CommandResult run(const Options& options) {
 
 void add_replay(CLI::App& app, CommandResult& result) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("replay", "localise recorded scans: point clouds, readings or landmark lists");
+  CLI::App* verb =
+      app.add_subcommand("replay", "localise recorded scans: point clouds, readings or landmark lists");
   options->config.add_to(*verb);
-  verb->add_option("--truth", options->truth, "true poses to compare with (TUM: t x y z qx qy qz qw, t = scan number)")
+  verb->add_option("--truth", options->truth,
+                   "true poses to compare with (TUM: t x y z qx qy qz qw, t = scan number)")
       ->type_name("T.tum");
   verb->add_option("--out", options->out, "folder for the results")->required()->type_name("DIR");
   verb->add_flag("--no-times", options->no_times, "leave the measured milliseconds out of fixes.csv");
-  verb->add_option("INPUT", options->inputs, "folders or files: .pcd clouds, readings .csv, landmarks .csv")->required();
+  verb->add_option("INPUT", options->inputs, "folders or files: .pcd clouds, readings .csv, landmarks .csv")
+      ->required();
   verb->callback([options, &result] { result = run(*options); });
 }
 

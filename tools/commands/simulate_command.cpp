@@ -1,19 +1,20 @@
-#include <cstdio>
-#include <memory>
+#include "tools/commands/drive_options.hpp"
 
 #include <CLI/CLI.hpp>
 
-#include "tools/commands/drive_options.hpp"
+#include <cstdio>
+#include <memory>
 
 namespace slamsensor::tools {
 namespace {
 
 CommandResult run(DriveOptions& options) {
   return options.run().map([&](const SimulateSummary& summary) {
-    std::printf("%u scans of %llu readings, %llu with a return, among %u objects (%u found no room)\n", summary.scans,
+    std::printf("%u scans of %llu readings, %llu with a return, among %u objects (%u found no room)\n",
+                summary.scans,
                 static_cast<unsigned long long>(summary.readings / std::max(summary.scans, 1U)),
-                static_cast<unsigned long long>(summary.returns / std::max(summary.scans, 1U)), summary.objects,
-                summary.unplaced);
+                static_cast<unsigned long long>(summary.returns / std::max(summary.scans, 1U)),
+                summary.objects, summary.unplaced);
     std::printf("written to %s: scan_*.csv truth.tum stems.csv\n", options.simulate.out.c_str());
     return EX_OK;
   });

@@ -22,7 +22,7 @@ struct MapPoint {
 /// least one. An error, with the line, when an id is not a whole number or occurs twice, or a coordinate is
 /// not a number within core::kLatticeReach_m.
 [[nodiscard]] tl::expected<std::vector<MapPoint>, InputError> parse_map_csv(std::string_view text,
-                                                                          std::string_view name);
+                                                                            std::string_view name);
 
 /// parse_map_csv on a file.
 [[nodiscard]] tl::expected<std::vector<MapPoint>, InputError> read_map_csv(const std::filesystem::path& path);

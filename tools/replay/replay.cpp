@@ -1,9 +1,9 @@
 #include "tools/replay/replay.hpp"
 
-#include <chrono>
-
 #include "firmware/pipeline.hpp"
 #include "tools/input/scan_source.hpp"
+
+#include <chrono>
 
 namespace slamsensor::tools {
 namespace {
@@ -21,7 +21,8 @@ FixRow localise(const InputScan& scan, firmware::Pipeline& pipeline) {
   row.t_s = static_cast<double>(scan.number);
   row.fix = scan.is_landmark_list ? pipeline.process_landmarks(scan.landmarks, time_of(scan.number), {})
                                   : pipeline.process(scan.scanlines, time_of(scan.number), {});
-  row.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  row.milliseconds =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return row;
 }
 

@@ -1,5 +1,13 @@
 #pragma once
 
+#include "core/mapping/hypothesis_set.hpp"
+#include "firmware/config/config.hpp"
+#include "tools/input/input_error.hpp"
+#include "tools/output/fixes_csv.hpp"
+#include "tools/output/map_csv.hpp"
+
+#include <tl/expected.hpp>
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -8,22 +16,14 @@
 #include <string>
 #include <vector>
 
-#include <tl/expected.hpp>
-
-#include "core/mapping/hypothesis_set.hpp"
-#include "firmware/config/config.hpp"
-#include "tools/input/input_error.hpp"
-#include "tools/output/fixes_csv.hpp"
-#include "tools/output/map_csv.hpp"
-
 namespace slamsensor::tools {
 
 /// What a run over recorded scans gave.
 struct Replay {
-  std::vector<FixRow> rows;           ///< one per scan that could be read, in order
-  std::vector<MapRow> map;            ///< of the best hypothesis at the end
-  std::vector<bool> matched;          ///< per landmark of `map`: by the last scan that has a fix
-  std::vector<std::string> refused;   ///< messages of the scans that could not be read
+  std::vector<FixRow> rows;          ///< one per scan that could be read, in order
+  std::vector<MapRow> map;           ///< of the best hypothesis at the end
+  std::vector<bool> matched;         ///< per landmark of `map`: by the last scan that has a fix
+  std::vector<std::string> refused;  ///< messages of the scans that could not be read
   core::Counters counters;
   std::uint64_t landmarks_evicted = 0;
   std::uint64_t path_thinnings = 0;
@@ -32,9 +32,9 @@ struct Replay {
 /// Told after every scan; `total` scans in all.
 using ReplayProgress = std::function<void(std::size_t done, std::size_t total, const FixRow& row)>;
 
-/// Runs the scans of `inputs` (DESIGN 6), in the order of their numbers, through the pipeline with `config`. A scan that
-/// cannot be read is refused and the run goes on; inputs that cannot be opened are an error. Times are measured with the
-/// steady clock; everything else depends on the inputs alone.
+/// Runs the scans of `inputs` (DESIGN 6), in the order of their numbers, through the pipeline with `config`.
+/// A scan that cannot be read is refused and the run goes on; inputs that cannot be opened are an error.
+/// Times are measured with the steady clock; everything else depends on the inputs alone.
 [[nodiscard]] tl::expected<Replay, InputError> replay(const std::vector<std::filesystem::path>& inputs,
                                                       const firmware::Config& config,
                                                       const ReplayProgress& progress = {});

@@ -1,16 +1,16 @@
 #include "tools/replay/replay_report.hpp"
 
+#include "core/fix_names.hpp"
+#include "firmware/output/nmea.hpp"
+#include "tools/output/trajectory_tum.hpp"
+#include "tools/plot/map_plot.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <string_view>
 #include <system_error>
 #include <vector>
-
-#include "core/fix_names.hpp"
-#include "firmware/output/nmea.hpp"
-#include "tools/output/trajectory_tum.hpp"
-#include "tools/plot/map_plot.hpp"
 
 namespace slamsensor::tools {
 namespace {
@@ -42,7 +42,8 @@ std::string track_nmea(const Replay& replay, const firmware::Config& config) {
   return track;
 }
 
-MapPlot plot_of(const Replay& replay, std::span<const TimedPose> truth, const std::optional<Evaluation>& evaluation) {
+MapPlot plot_of(const Replay& replay, std::span<const TimedPose> truth,
+                const std::optional<Evaluation>& evaluation) {
   MapPlot plot;
   plot.title = "Path and landmarks";
   plot.summary.push_back(text("%zu scans, %zu fixes, %zu landmarks", replay.rows.size(),
@@ -55,8 +56,8 @@ MapPlot plot_of(const Replay& replay, std::span<const TimedPose> truth, const st
   }
   if (evaluation && evaluation->first_fix) {
     const AlignedErrors& errors = *evaluation->first_fix;
-    plot.summary.push_back(text("against truth: %zu wrong, error RMS %.3f m, worst %.3f m", errors.wrong_fixes,
-                                errors.ate_rms_m, errors.ate_max_m));
+    plot.summary.push_back(text("against truth: %zu wrong, error RMS %.3f m, worst %.3f m",
+                                errors.wrong_fixes, errors.ate_rms_m, errors.ate_max_m));
     for (const TimedPose& pose : truth) {
       plot.truth_W.push_back(errors.T_truth_map.inverse() * pose.pose);
     }
@@ -78,9 +79,8 @@ std::string times_text(const Replay& replay) {
 
 std::string reasons_text(const Replay& replay) {
   std::string lines;
-  for (const core::FixReason reason :
-       {core::FixReason::TooFewLandmarks, core::FixReason::NoOverlap, core::FixReason::Symmetric,
-        core::FixReason::Deadline}) {
+  for (const core::FixReason reason : {core::FixReason::TooFewLandmarks, core::FixReason::NoOverlap,
+                                       core::FixReason::Symmetric, core::FixReason::Deadline}) {
     const auto count = std::count_if(replay.rows.begin(), replay.rows.end(),
                                      [&](const FixRow& row) { return row.fix.reason == reason; });
     if (count > 0) {
@@ -124,18 +124,22 @@ tl::expected<void, OutputError> write_replay(const Replay& replay, const firmwar
       .and_then([&] { return write_fixes(folder / "fixes.csv", replay.rows, times); })
       .and_then([&] { return write_map(folder / "map.csv", replay.map); })
       .and_then([&] { return write_file(folder / "track.nmea", track_nmea(replay, config)); })
-      .and_then([&] { return write_file(folder / "plot.svg", draw_map(plot_of(replay, truth, evaluation))); });
+      .and_then(
+          [&] { return write_file(folder / "plot.svg", draw_map(plot_of(replay, truth, evaluation))); });
 }
 
 std::string replay_summary(const Replay& replay) {
   const std::size_t fixes = count_of(replay, core::FixStatus::Fix);
-  const double share = replay.rows.empty() ? 0.0 : 100.0 * static_cast<double>(fixes) / static_cast<double>(replay.rows.size());
+  const double share = replay.rows.empty()
+                           ? 0.0
+                           : 100.0 * static_cast<double>(fixes) / static_cast<double>(replay.rows.size());
   return text("scans            %zu%s\n", replay.rows.size(),
               replay.refused.empty() ? "" : text(" (and %zu refused)", replay.refused.size()).c_str()) +
          text("fixes            %zu (%.1f %%)\n", fixes, share) +
          text("ambiguous        %zu\n", count_of(replay, core::FixStatus::Ambiguous)) +
          text("no fix           %zu\n", count_of(replay, core::FixStatus::NoFix)) + reasons_text(replay) +
-         text("map              %zu landmarks\n", replay.map.size()) + times_text(replay) + counters_text(replay);
+         text("map              %zu landmarks\n", replay.map.size()) + times_text(replay) +
+         counters_text(replay);
 }
 
 }  // namespace slamsensor::tools

@@ -1,27 +1,26 @@
 #pragma once
 
-#include <filesystem>
-#include <optional>
-#include <span>
-#include <string>
-
-#include <tl/expected.hpp>
-
 #include "firmware/config/config.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/eval/timed_pose.hpp"
 #include "tools/output/write_file.hpp"
 #include "tools/replay/replay.hpp"
 
+#include <tl/expected.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+
 namespace slamsensor::tools {
 
-/// Writes trajectory.tum, fixes.csv, map.csv, track.nmea and plot.svg (DESIGN 6) into `folder`, which is made if need
-/// be. The same replay gives the same bytes; the measured times in fixes.csv are the one exception, and `times` leaves
-/// them out. `evaluation` brings the truth into the map frame for the picture.
-[[nodiscard]] tl::expected<void, OutputError> write_replay(const Replay& replay, const firmware::Config& config,
-                                                           std::span<const TimedPose> truth,
-                                                           const std::optional<Evaluation>& evaluation,
-                                                           MeasuredTimes times, const std::filesystem::path& folder);
+/// Writes trajectory.tum, fixes.csv, map.csv, track.nmea and plot.svg (DESIGN 6) into `folder`, which is made
+/// if need be. The same replay gives the same bytes; the measured times in fixes.csv are the one exception,
+/// and `times` leaves them out. `evaluation` brings the truth into the map frame for the picture.
+[[nodiscard]] tl::expected<void, OutputError> write_replay(
+    const Replay& replay, const firmware::Config& config, std::span<const TimedPose> truth,
+    const std::optional<Evaluation>& evaluation, MeasuredTimes times, const std::filesystem::path& folder);
 
 /// What happened, for people: scans, fixes, reasons, map, times, and every counter that is not zero.
 [[nodiscard]] std::string replay_summary(const Replay& replay);

@@ -70,7 +70,8 @@ std::optional<core::Pose2> draw_kidnap(const World& world, const DriveConfig& co
   for (int i = 0; i < kPlacesTried; ++i) {
     const auto chosen = static_cast<std::size_t>(draw_unit(rng) * static_cast<double>(earlier.size()));
     const core::Pose2 turned{0.0, 0.0, draw_uniform(rng, -std::numbers::pi, std::numbers::pi)};
-    const core::Pose2 aside{config.step_m * draw_unit(rng), 0.0, draw_uniform(rng, -std::numbers::pi, std::numbers::pi)};
+    const core::Pose2 aside{config.step_m * draw_unit(rng), 0.0,
+                            draw_uniform(rng, -std::numbers::pi, std::numbers::pi)};
     const core::Pose2 pose_W = earlier[chosen].pose * turned * aside;
     if (is_inside(world.config().area, pose_W.translation(), config.margin_m) &&
         world.is_free(pose_W.translation(), config.clearance_m)) {
@@ -125,7 +126,8 @@ tl::expected<std::vector<Stand>, WorldError> make_drive(const World& world, cons
     std::optional<core::Pose2> pose_W;
     const bool kidnapped = draw_unit(rng) < config.kidnap_share;
     if (!stands.empty()) {
-      pose_W = kidnapped ? draw_kidnap(world, config, stands, rng) : draw_step(world, config, stands.back().pose, rng);
+      pose_W = kidnapped ? draw_kidnap(world, config, stands, rng)
+                         : draw_step(world, config, stands.back().pose, rng);
     }
     if (!pose_W) {
       pose_W = draw_place(world, config, rng);

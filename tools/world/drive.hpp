@@ -24,8 +24,9 @@ struct DriveConfig {
   double clearance_m =
       1.0;                 ///< kept to every stem, bush, rock, post and wall, at the stands and between them
   double margin_m = 10.0;  ///< kept to the edge of the area
-  double kidnap_share = 0.0;  ///< chance that the sensor is carried to within a step of an earlier stand instead
-  double period_s = 300.0;    ///< from the start of a scan to the start of the next
+  double kidnap_share =
+      0.0;  ///< chance that the sensor is carried to within a step of an earlier stand instead
+  double period_s = 300.0;  ///< from the start of a scan to the start of the next
 };
 
 /// The stands of the world's file in their order when it names any, else a random walk: every stand is

@@ -1,7 +1,7 @@
 #include "tools/world/simulate.hpp"
 
-#include "tools/world/random.hpp"
 #include "tools/output/write_file.hpp"
+#include "tools/world/random.hpp"
 #include "tools/world/simulate_files.hpp"
 #include "tools/world/world_loader.hpp"
 
@@ -51,7 +51,9 @@ void count(const std::vector<std::vector<core::Reading>>& lines, SimulateSummary
 }
 
 tl::expected<void, WorldError> write(const std::filesystem::path& path, std::string_view content) {
-  return write_file(path, content).map_error([](const OutputError& error) { return WorldError{error.message}; });
+  return write_file(path, content).map_error([](const OutputError& error) {
+    return WorldError{error.message};
+  });
 }
 
 tl::expected<SimulateSummary, WorldError> write_scans(const SimulateOptions& options, const World& world,

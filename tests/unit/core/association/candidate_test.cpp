@@ -1,10 +1,10 @@
 #include "core/association/candidate.hpp"
 
-#include <vector>
+#include "tests/support/forest.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tests/support/forest.hpp"
+#include <vector>
 
 namespace slamsensor::core {
 namespace {

@@ -1,9 +1,9 @@
 #include "core/association/false_alarms.hpp"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <vector>
-
-#include <gtest/gtest.h>
 
 namespace slamsensor::core {
 namespace {
@@ -21,7 +21,8 @@ TEST(FalseAlarms, TailEqualsTheDirectSum) {
   for (const std::uint32_t n : {1U, 2U, 7U, 27U, 92U}) {
     for (const double p : {0.001, 0.02, 0.3, 0.9}) {
       for (std::uint32_t k = 1; k <= n; k += 1 + n / 7) {
-        EXPECT_NEAR(log10_binomial_tail(n, k, p), std::log10(direct_tail(n, k, p)), 1e-6) << n << ' ' << k << ' ' << p;
+        EXPECT_NEAR(log10_binomial_tail(n, k, p), std::log10(direct_tail(n, k, p)), 1e-6)
+            << n << ' ' << k << ' ' << p;
       }
     }
   }
@@ -36,8 +37,8 @@ TEST(FalseAlarms, TailAtItsEnds) {
   EXPECT_NEAR(log10_binomial_tail(100, 100, 1e-9), -900.0, 1e-6);  // no underflow
 }
 
-// By hand: 20 landmarks, 8 matched at the very tolerance, chance 0.01 each. 17 trials, 5 hits: C(17,5) 1e-10 0.99^12 =
-// 5.5e-7 is the smallest tail, and 5 were looked at.
+// By hand: 20 landmarks, 8 matched at the very tolerance, chance 0.01 each. 17 trials, 5 hits: C(17,5) 1e-10
+// 0.99^12 = 5.5e-7 is the smallest tail, and 5 were looked at.
 TEST(FalseAlarms, MatchesAHandWorkedCase) {
   const std::vector<double> shares(8, 1.0);
   EXPECT_NEAR(log10_chance_of_matches(20, shares, 0.01), std::log10(5.0 * 5.5e-7), 0.02);
@@ -50,8 +51,10 @@ TEST(FalseAlarms, ThreeMatchesSayNothing) {
 
 TEST(FalseAlarms, MoreMatchesNearerMatchesAndThinnerMapsAreMoreConvincing) {
   const std::vector<double> eight(8, 0.5);
-  EXPECT_LT(log10_chance_of_matches(20, std::vector<double>(9, 0.5), 0.01), log10_chance_of_matches(20, eight, 0.01));
-  EXPECT_LT(log10_chance_of_matches(20, std::vector<double>(8, 0.1), 0.01), log10_chance_of_matches(20, eight, 0.01));
+  EXPECT_LT(log10_chance_of_matches(20, std::vector<double>(9, 0.5), 0.01),
+            log10_chance_of_matches(20, eight, 0.01));
+  EXPECT_LT(log10_chance_of_matches(20, std::vector<double>(8, 0.1), 0.01),
+            log10_chance_of_matches(20, eight, 0.01));
   EXPECT_LT(log10_chance_of_matches(20, eight, 0.005), log10_chance_of_matches(20, eight, 0.01));
 }
 

@@ -1,68 +1,20 @@
 #include "core/association/paper_search.hpp"
 
-#include <algorithm>
-#include <memory>
-#include <vector>
+#include "core/association/triangulation.hpp"
+#include "tests/support/forest.hpp"
+#include "tests/support/in_arena.hpp"
+#include "tests/unit/core/association/searched.hpp"
 
 #include <gtest/gtest.h>
 
-#include "core/association/acceptance.hpp"
-#include "core/association/significance.hpp"
-#include "core/association/triangulation.hpp"
-#include "core/mapping/landmark_map.hpp"
-#include "tests/support/in_arena.hpp"
-#include "tests/support/forest.hpp"
+#include <algorithm>
+#include <vector>
 
 namespace slamsensor::core {
 namespace {
 
 using tests::Draw;
 using tests::Forest;
-
-/// A map and a search over it, with the config they share.
-class Searched {
- public:
-  Searched(const std::vector<Point2>& map_W, const AssociationConfig& config)
-      : config_(config),
-        capacities_(capacities_for(map_W)),
-        map_(capacities_),
-        delaunay_(static_cast<std::uint32_t>(map_W.size())),
-        search_(config, capacities_) {
-    for (const Point2& p : map_W) {
-      EXPECT_TRUE(map_->try_add({}, p));
-    }
-    map_->rebuild_index(*delaunay_, config_);
-  }
-  const Candidates& search(const std::vector<Point2>& scan_L, std::uint32_t variants_max = 1,
-                           const Deadline& deadline = {}) {
-    search_->search(scan_L, map_view(), variants_max, deadline, *found_);
-    return *found_;
-  }
-  const Candidates& rest(const Deadline& deadline = {}) {
-    search_->search_rest(deadline, *found_);
-    return *found_;
-  }
-  const MapView& map_view() {
-    view_.emplace(map_->view());
-    return *view_;
-  }
-
- private:
-  static Capacities capacities_for(const std::vector<Point2>& map_W) {
-    Capacities c;
-    c.scan_landmarks = 64;
-    c.map_landmarks = static_cast<std::uint32_t>(map_W.size());
-    c.map_edges = 14 * c.map_landmarks + 100;
-    return c;
-  }
-  AssociationConfig config_;
-  Capacities capacities_;
-  tests::InArena<LandmarkMap> map_;
-  tests::InArena<Delaunay> delaunay_;
-  tests::InArena<PaperSearch> search_;
-  std::unique_ptr<Candidates> found_ = std::make_unique<Candidates>();
-  std::optional<MapView> view_;
-};
 
 TEST(PaperSearch, FindsTheScanInAForest) {
   for (const std::uint32_t count : {60U, 180U, 1000U}) {
@@ -80,8 +32,10 @@ TEST(PaperSearch, FindsTheScanInAForest) {
   }
 }
 
-/// The best match count over all triples of all pairs, by brute force: the search may not miss what it would rank first.
-std::size_t best_by_brute_force(const std::vector<Point2>& scan, const MapView& map, const AssociationConfig& config) {
+/// The best match count over all triples of all pairs, by brute force: the search may not miss what it would
+/// rank first.
+std::size_t best_by_brute_force(const std::vector<Point2>& scan, const MapView& map,
+                                const AssociationConfig& config) {
   tests::InArena<PoseScorer> scorer(config, static_cast<std::uint32_t>(map.positions_W.size()));
   const auto k = static_cast<std::uint32_t>(scan.size());
   const auto n = static_cast<std::uint32_t>(map.positions_W.size());
@@ -96,9 +50,9 @@ std::size_t best_by_brute_force(const std::vector<Point2>& scan, const MapView& 
               continue;
             }
             for (std::uint32_t c = 0; c < n; ++c) {
-              for (const Pose2& pose : triangulate({scan[i], scan[j], scan[l]},
-                                                   {map.positions_W[a], map.positions_W[b], map.positions_W[c]},
-                                                   config.tolerance_m)) {
+              for (const Pose2& pose : triangulate(
+                       {scan[i], scan[j], scan[l]},
+                       {map.positions_W[a], map.positions_W[b], map.positions_W[c]}, config.tolerance_m)) {
                 const auto candidate = scorer->refine(pose, scan, map);
                 best = std::max(best, candidate ? candidate->matches.size() : 0);
               }
@@ -194,10 +148,9 @@ TEST(PaperSearch, StopsAtTheDeadline) {
   const Forest forest = tests::make_forest(180, draw);
   Searched searched(forest.trees_W, {});
   int looks = 0;
-  const Deadline deadline{[](void* context) noexcept {
-                            return std::chrono::nanoseconds(++*static_cast<int*>(context));
-                          },
-                          &looks, std::chrono::nanoseconds(3)};
+  const Deadline deadline{
+      [](void* context) noexcept { return std::chrono::nanoseconds(++*static_cast<int*>(context)); }, &looks,
+      std::chrono::nanoseconds(3)};
   const auto scan = tests::scan_forest(forest, {3, 2, -1}, {}, draw);
   const Candidates& found = searched.search(scan, 1, deadline);
   EXPECT_EQ(found.end, SearchEnd::Deadline);
@@ -225,95 +178,6 @@ TEST(PaperSearch, TinyAndDegenerateInputsFindNothing) {
   EXPECT_TRUE(searched.search({Point2(1, 1), Point2(1, 1), Point2(1, 1)}).list.empty());
   Searched empty_map(std::vector<Point2>{Point2(0, 0)}, {});
   EXPECT_TRUE(empty_map.search({Point2(1, 1), Point2(2, 5), Point2(7, 3), Point2(4, 4)}).list.empty());
-}
-
-// A wrong pose marked valid is the worst thing: scans of another forest must not be believed.
-TEST(Acceptance, ForeignScansAreRefused) {
-  int accepted = 0;
-  int queries = 0;
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    Draw draw(1000 + seed);
-    const Forest here = tests::make_forest(180, draw);
-    const Forest elsewhere = tests::make_forest(180, draw);
-    AssociationConfig config;
-    config.order_share = 1.0;
-    Searched searched(here.trees_W, config);
-    for (int i = 0; i < 100; ++i, ++queries) {
-      const auto scan = tests::scan_forest(elsewhere, tests::pose_in(elsewhere, draw), {}, draw);
-      const Candidates& found = searched.search(scan);
-      accepted += judge(found, scan, searched.map_view(), 0.5, {}).status == FixStatus::Fix ? 1 : 0;
-    }
-  }
-  EXPECT_EQ(accepted, 0) << "of " << queries;
-}
-
-TEST(Acceptance, TrueScansAreAcceptedWithTheirPose) {
-  Draw draw(2000);
-  const Forest forest = tests::make_forest(180, draw);
-  Searched searched(forest.trees_W, {});
-  int accepted = 0;
-  for (int i = 0; i < 50; ++i) {
-    const Pose2 truth = tests::pose_in(forest, draw);
-    const auto scan = tests::scan_forest(forest, truth, {}, draw);
-    const Candidates& found = searched.search(scan);
-    const Verdict verdict = judge(found, scan, searched.map_view(), 0.5, {});
-    if (verdict.status == FixStatus::Fix) {
-      ++accepted;
-      EXPECT_TRUE(tests::is_right(found.list[0].pose_W, truth)) << "query " << i;
-    }
-  }
-  EXPECT_GE(accepted, 45);
-}
-
-TEST(Acceptance, TwoCopiesOfAPlaceAreAmbiguous) {
-  Draw draw(15);
-  Forest forest = tests::make_forest(30, draw);
-  const Forest one = forest;
-  for (const Point2& p : one.trees_W) {
-    forest.trees_W.push_back(p + Point2(200.0, 30.0));
-  }
-  AssociationConfig config;
-  config.order_share = 1.0;
-  Searched searched(forest.trees_W, config);
-  const auto scan = tests::scan_forest(one, {0, 0, 0.4}, {}, draw);
-  const Candidates& found = searched.search(scan);
-  const Verdict verdict = judge(found, scan, searched.map_view(), 0.5, {});
-  EXPECT_EQ(verdict.status, FixStatus::Ambiguous);
-  EXPECT_EQ(verdict.reason, FixReason::Symmetric);
-  AcceptanceConfig paper;
-  paper.rule = AcceptanceRule::Paper;
-  EXPECT_EQ(judge(found, scan, searched.map_view(), 0.5, paper).status, FixStatus::Fix);
-}
-
-// A plantation looks the same one row on.
-TEST(Acceptance, RowsAreAmbiguous) {
-  Draw draw(16);
-  std::vector<Point2> rows;
-  for (int x = 0; x < 20; ++x) {
-    for (int y = 0; y < 20; ++y) {
-      rows.emplace_back(4.0 * x + draw.normal(0.05), 3.0 * y + draw.normal(0.05));
-    }
-  }
-  AssociationConfig config;
-  config.order_share = 1.0;
-  Searched searched(rows, config);
-  const Forest plantation{rows, 0.0};
-  const auto scan = tests::scan_forest(plantation, {40.0, 30.0, 0.2}, {}, draw);
-  EXPECT_EQ(judge(searched.search(scan), scan, searched.map_view(), 0.5, {}).status, FixStatus::Ambiguous);
-}
-
-TEST(Acceptance, ChanceOfAMatchIsTheDensityTimesTheDisc) {
-  Draw draw(17);
-  const Forest forest = tests::make_forest(1000, draw);
-  Searched searched(forest.trees_W, {});
-  std::vector<Point2> anywhere;
-  for (int i = 0; i < 60; ++i) {
-    anywhere.emplace_back(draw.uniform(-100, 100), draw.uniform(-100, 100));
-  }
-  const double expected = 3.14159 * 0.25 / 70.0;
-  EXPECT_NEAR(chance_match({}, anywhere, searched.map_view(), 0.5), expected, 0.15 * expected);
-  EXPECT_EQ(chance_match({1e4, 0, 0}, anywhere, searched.map_view(), 0.5), 0.0);
-  EXPECT_EQ(chance_match({}, {}, searched.map_view(), 0.5), 0.0);
 }
 
 }  // namespace

@@ -1,18 +1,19 @@
 #include "core/association/point_grid.hpp"
 
-#include <vector>
+#include "tests/support/forest.hpp"
+#include "tests/support/in_arena.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tests/support/in_arena.hpp"
-#include "tests/support/forest.hpp"
+#include <vector>
 
 namespace slamsensor::core {
 namespace {
 
 using tests::Draw;
 
-void expect_like_brute_force(const PointGrid& grid, const std::vector<Point2>& points, const Point2& q, double radius) {
+void expect_like_brute_force(const PointGrid& grid, const std::vector<Point2>& points, const Point2& q,
+                             double radius) {
   std::uint32_t nearest = PointGrid::kNone;
   std::uint32_t count = 0;
   for (std::uint32_t i = 0; i < points.size(); ++i) {

@@ -1,11 +1,11 @@
 #include "core/association/rigid_fit.hpp"
 
-#include <vector>
+#include "tests/support/forest.hpp"
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "tests/support/forest.hpp"
+#include <vector>
 
 namespace slamsensor::core {
 namespace {
@@ -24,7 +24,8 @@ Case make_case(Draw& draw, std::uint32_t count, double sigma_m) {
   c.truth = {draw.uniform(-30, 30), draw.uniform(-30, 30), draw.uniform(-3.1, 3.1)};
   for (std::uint32_t i = 0; i < count; ++i) {
     c.map_W.emplace_back(draw.uniform(-30, 30), draw.uniform(-30, 30));
-    c.scan_L.push_back(c.truth.inverse() * c.map_W.back() + Point2(draw.normal(sigma_m), draw.normal(sigma_m)));
+    c.scan_L.push_back(c.truth.inverse() * c.map_W.back() +
+                       Point2(draw.normal(sigma_m), draw.normal(sigma_m)));
     c.matches.push_back({i, i});
   }
   return c;
@@ -71,8 +72,8 @@ TEST(RigidFit, RobustFitWithoutMatchesStays) {
   EXPECT_EQ(end.heading_rad, 0.5);
 }
 
-// Normalised estimation error squared. With a known spread its mean would be the pose's 3 degrees of freedom; with one
-// estimated from 24 degrees of freedom (21 of the residuals, 3 of the prior) it is 3 * 24 / 22.
+// Normalised estimation error squared. With a known spread its mean would be the pose's 3 degrees of freedom;
+// with one estimated from 24 degrees of freedom (21 of the residuals, 3 of the prior) it is 3 * 24 / 22.
 TEST(PoseCovariance, IsConsistentWithTheErrorsItDescribes) {
   Draw draw(5);
   double sum = 0.0;

@@ -1,10 +1,10 @@
 #include "core/association/triangulation.hpp"
 
-#include <cmath>
+#include "tests/support/forest.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tests/support/forest.hpp"
+#include <cmath>
 
 namespace slamsensor::core {
 namespace {
@@ -19,7 +19,9 @@ std::array<Point2, 3> seen_from(const Pose2& pose_W, const std::array<Point2, 3>
   return scan;
 }
 
-double error_m(const Pose2& a, const Pose2& b) { return (a.translation() - b.translation()).norm(); }
+double error_m(const Pose2& a, const Pose2& b) {
+  return (a.translation() - b.translation()).norm();
+}
 
 TEST(Triangulation, RecoversThePoseFromExactDistances) {
   Draw draw(1);
@@ -32,7 +34,8 @@ TEST(Triangulation, RecoversThePoseFromExactDistances) {
     }
     double best = 1e9;
     for (const Pose2& pose : triangulate(seen_from(truth, map), map, 0.01)) {
-      best = std::min(best, error_m(pose, truth) + std::abs(wrap_angle(pose.heading_rad - truth.heading_rad)));
+      best =
+          std::min(best, error_m(pose, truth) + std::abs(wrap_angle(pose.heading_rad - truth.heading_rad)));
     }
     if (best < 1e9) {
       ++with_pose;

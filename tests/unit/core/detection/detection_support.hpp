@@ -14,7 +14,8 @@ namespace slamsensor::core::detection_test {
 /// A detector in an arena of its own.
 class Detector : public tests::InArena<LandmarkDetector> {
  public:
-  explicit Detector(const DetectionConfig& config, const Capacities& capacities = {}) : InArena(config, capacities) {}
+  explicit Detector(const DetectionConfig& config, const Capacities& capacities = {})
+      : InArena(config, capacities) {}
 };
 
 using Scanline = std::vector<Reading>;

@@ -27,8 +27,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class Line : public tests::InArena<ScanlineGrid> {
  public:
-  explicit Line(const DetectionConfig& config)
-      : InArena(config) {}
+  explicit Line(const DetectionConfig& config) : InArena(config) {}
 
   /// (row, column) of every sighting, by column.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> cells(const Scanline& scanline) {

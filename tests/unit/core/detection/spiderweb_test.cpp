@@ -15,15 +15,14 @@ namespace slamsensor::core {
 namespace {
 
 using detection_test::hand_config;
-using tests::InArena;
 using testing::ElementsAre;
 using testing::UnorderedElementsAre;
+using tests::InArena;
 
 struct Fixture {
   explicit Fixture(const DetectionConfig& config = hand_config(), std::uint32_t cells_max = 65'536,
                    std::size_t groups_max = 100)
-      : web(config, cells_max),
-        groups("groups", groups_max) {}
+      : web(config, cells_max), groups("groups", groups_max) {}
 
   void see(std::uint32_t row, std::uint32_t column, int times = 1) {
     for (int i = 0; i < times; ++i) {

@@ -1,12 +1,12 @@
 #include "core/mapping/hypothesis_set.hpp"
 
-#include <limits>
-#include <vector>
+#include "tests/support/forest.hpp"
+#include "tests/support/in_arena.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tests/support/in_arena.hpp"
-#include "tests/support/forest.hpp"
+#include <limits>
+#include <vector>
 
 namespace slamsensor::core {
 namespace {
@@ -23,7 +23,9 @@ Config test_config() {
   return c;
 }
 
-Fix process(HypothesisSet& set, const std::vector<Point2>& scan) { return set.process(tests::as_landmarks(scan), {}); }
+Fix process(HypothesisSet& set, const std::vector<Point2>& scan) {
+  return set.process(tests::as_landmarks(scan), {});
+}
 
 TEST(HypothesisSet, WalksThroughAForestFromNothing) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
@@ -68,11 +70,13 @@ TEST(HypothesisSet, ARefusedScanDoesNotTouchTheMap) {
   const Forest elsewhere = tests::make_forest(60, draw);
   tests::InArena<HypothesisSet> set(test_config());
   (void)process(*set, tests::scan_forest(here, {}, {}, draw));
-  const std::vector<Point2> before(set->best().map.positions_W().begin(), set->best().map.positions_W().end());
+  const std::vector<Point2> before(set->best().map.positions_W().begin(),
+                                   set->best().map.positions_W().end());
   const Fix fix = process(*set, tests::scan_forest(elsewhere, {}, {}, draw));
   EXPECT_EQ(fix.status, FixStatus::NoFix);
   EXPECT_EQ(fix.reason, FixReason::NoOverlap);
-  EXPECT_EQ(std::vector<Point2>(set->best().map.positions_W().begin(), set->best().map.positions_W().end()), before);
+  EXPECT_EQ(std::vector<Point2>(set->best().map.positions_W().begin(), set->best().map.positions_W().end()),
+            before);
   EXPECT_EQ(set->best().path.size(), 1U);
 }
 

@@ -1,12 +1,12 @@
 #include "core/mapping/map_builder.hpp"
 
-#include <set>
-#include <vector>
+#include "tests/support/forest.hpp"
+#include "tests/support/in_arena.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tests/support/in_arena.hpp"
-#include "tests/support/forest.hpp"
+#include <set>
+#include <vector>
 
 namespace slamsensor::core {
 namespace {
@@ -77,7 +77,8 @@ TEST(MapBuilder, AFullMapLosesItsLeastUsefulLandmarks) {
   tests::InArena<Hypothesis> h(config.capacities);
   tests::InArena<MapBuilder> builder(config);
   builder->start(ring(8, 10.0), 0, *h);
-  // The first five are seen again and again, then three newcomers arrive: they replace the three never seen again.
+  // The first five are seen again and again, then three newcomers arrive: they replace the three never seen
+  // again.
   for (std::uint32_t scan = 1; scan < 4; ++scan) {
     builder->extend(ring(5, 10.0), straight(5), scan, *h);
   }

@@ -1,10 +1,10 @@
 #include "core/mapping/positional_error.hpp"
 
-#include <vector>
+#include "tests/support/in_arena.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tests/support/in_arena.hpp"
+#include <vector>
 
 namespace slamsensor::core {
 namespace {
@@ -25,9 +25,11 @@ MapLandmark landmark(std::uint32_t id, std::uint32_t xi, std::array<std::uint32_
   return l;
 }
 
-constexpr std::array<std::uint32_t, 3> kOrigin{MapLandmark::kNoParent, MapLandmark::kNoParent, MapLandmark::kNoParent};
+constexpr std::array<std::uint32_t, 3> kOrigin{MapLandmark::kNoParent, MapLandmark::kNoParent,
+                                               MapLandmark::kNoParent};
 
-/// Three landmarks of the first scan, one triangulated from them, one triangulated from that one, and a stranger.
+/// Three landmarks of the first scan, one triangulated from them, one triangulated from that one, and a
+/// stranger.
 void fill(LandmarkMap& map) {
   ASSERT_TRUE(map.try_add(landmark(0, 0, kOrigin), {0, 0}));
   ASSERT_TRUE(map.try_add(landmark(1, 0, kOrigin), {10, 0}));

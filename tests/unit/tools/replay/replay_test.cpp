@@ -1,15 +1,15 @@
 #include "tools/replay/replay.hpp"
 
+#include "tests/support/forest.hpp"
+#include "tools/replay/replay_report.hpp"
+
+#include <gtest/gtest.h>
+
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
 #include <string>
-
-#include <gtest/gtest.h>
-
-#include "tests/support/forest.hpp"
-#include "tools/replay/replay_report.hpp"
 
 namespace slamsensor::tools {
 namespace {
@@ -44,8 +44,8 @@ class ReplayTest : public testing::Test {
     list << "scan,x_m,y_m,diameter_m,weight\n";
     for (int i = 0; i < 10; ++i) {
       const bool foreign = i == 6;
-      for (const core::Point2& p : tests::scan_forest(foreign ? elsewhere : forest, {1.5 * i - 8.0, 2.0, 0.1 * i},
-                                                      {24, 0.1, 1, 0.05}, draw)) {
+      for (const core::Point2& p : tests::scan_forest(
+               foreign ? elsewhere : forest, {1.5 * i - 8.0, 2.0, 0.1 * i}, {24, 0.1, 1, 0.05}, draw)) {
         list << 10 * i << ',' << p.x() << ',' << p.y() << ",0.3,1\n";
       }
     }
@@ -62,7 +62,8 @@ TEST_F(ReplayTest, ARowPerScanNamedAsTheInputNamesThem) {
   ASSERT_EQ(result->rows.size(), 10U);
   for (std::size_t i = 0; i < 10; ++i) {
     EXPECT_EQ(result->rows[i].scan, static_cast<std::int64_t>(10 * i));
-    EXPECT_EQ(result->rows[i].fix.status, i == 6 ? core::FixStatus::NoFix : core::FixStatus::Fix) << "scan " << i;
+    EXPECT_EQ(result->rows[i].fix.status, i == 6 ? core::FixStatus::NoFix : core::FixStatus::Fix)
+        << "scan " << i;
     EXPECT_TRUE(result->rows[i].milliseconds.has_value());
   }
   EXPECT_FALSE(result->map.empty());
