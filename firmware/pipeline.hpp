@@ -1,10 +1,8 @@
 #pragma once
 
 #include "core/slam.hpp"
+#include "firmware/arena_block.hpp"
 
-#include <cstddef>
-#include <cstdlib>
-#include <memory>
 #include <span>
 
 namespace slamsensor::firmware {
@@ -14,9 +12,8 @@ namespace slamsensor::firmware {
 /// fix. One thread.
 class Pipeline {
  public:
-  /// Takes the block that `config` asks for, and writes to all of it, so that no later call meets a page
-  /// fault. Throws std::bad_alloc when the system has not so much memory.
-  explicit Pipeline(const core::Config& config);
+  /// Takes the memory that `config` asks for (ArenaBlock).
+  explicit Pipeline(const core::Config& config) : slam_(config) {}
 
   /// Localises one scan from its scanlines, each in the order of the sweep.
   template <typename Scanlines>
@@ -37,11 +34,7 @@ class Pipeline {
   [[nodiscard]] const core::Slam& slam() const { return *slam_; }
 
  private:
-  struct Free {
-    void operator()(std::byte* block) const { std::free(block); }  // NOLINT: from aligned_alloc
-  };
-  std::unique_ptr<std::byte, Free> block_;
-  std::unique_ptr<core::Slam> slam_;
+  ArenaBlock<core::Slam> slam_;
 };
 
 }  // namespace slamsensor::firmware

@@ -2,6 +2,7 @@
 
 #include "core/memory/arena.hpp"
 #include "core/memory/assert.hpp"
+#include "core/memory/checked_sequence.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -13,7 +14,7 @@ namespace slamsensor::core {
 /// A vector of plain values whose capacity is fixed at construction and whose storage is an arena's. It
 /// cannot grow: `try_push_back` says so. Every access is checked. Movable handle, not copyable; use `assign`.
 template <typename T>
-class BoundedVector {
+class BoundedVector : public CheckedSequence<BoundedVector<T>, T> {
   static_assert(std::is_trivially_destructible_v<T>);
 
  public:
@@ -73,27 +74,11 @@ class BoundedVector {
   }
   void clear() noexcept { size_ = 0; }
 
-  [[nodiscard]] T& operator[](std::size_t i) noexcept {
-    SLAMSENSOR_ASSERT(i < size_);
-    return data_[i];
-  }
-  [[nodiscard]] const T& operator[](std::size_t i) const noexcept {
-    SLAMSENSOR_ASSERT(i < size_);
-    return data_[i];
-  }
-  [[nodiscard]] T& back() noexcept { return (*this)[size_ - 1]; }
-  [[nodiscard]] const T& back() const noexcept { return (*this)[size_ - 1]; }
-
+  [[nodiscard]] T* data() noexcept { return data_; }
+  [[nodiscard]] const T* data() const noexcept { return data_; }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] std::size_t capacity() const noexcept { return capacity_; }
-  [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
   [[nodiscard]] bool full() const noexcept { return size_ == capacity_; }
-  [[nodiscard]] T* begin() noexcept { return data_; }
-  [[nodiscard]] T* end() noexcept { return data_ + size_; }
-  [[nodiscard]] const T* begin() const noexcept { return data_; }
-  [[nodiscard]] const T* end() const noexcept { return data_ + size_; }
-  [[nodiscard]] std::span<T> span() noexcept { return {data_, size_}; }
-  [[nodiscard]] std::span<const T> span() const noexcept { return {data_, size_}; }
 
  private:
   T* data_ = nullptr;

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "core/memory/assert.hpp"
+#include "core/memory/checked_sequence.hpp"
 
 #include <array>
 #include <cstddef>
-#include <span>
 
 namespace slamsensor::core {
 
@@ -12,7 +12,7 @@ namespace slamsensor::core {
 /// access is checked. Trivially copyable when T is, so that it may stand in arenas and queues
 /// (boost::container::static_vector is not, and asserts or throws on overflow).
 template <typename T, std::size_t N>
-class FixedVector {
+class FixedVector : public CheckedSequence<FixedVector<T, N>, T> {
  public:
   /// False, and nothing changed, when the vector is full.
   [[nodiscard]] bool try_push_back(const T& value) noexcept {
@@ -30,25 +30,10 @@ class FixedVector {
   }
   void clear() noexcept { size_ = 0; }
 
-  [[nodiscard]] T& operator[](std::size_t i) noexcept {
-    SLAMSENSOR_ASSERT(i < size_);
-    return values_[i];
-  }
-  [[nodiscard]] const T& operator[](std::size_t i) const noexcept {
-    SLAMSENSOR_ASSERT(i < size_);
-    return values_[i];
-  }
-  [[nodiscard]] T& back() noexcept { return (*this)[size_ - 1]; }
-  [[nodiscard]] const T& back() const noexcept { return (*this)[size_ - 1]; }
-
+  [[nodiscard]] T* data() noexcept { return values_.data(); }
+  [[nodiscard]] const T* data() const noexcept { return values_.data(); }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] static constexpr std::size_t capacity() noexcept { return N; }
-  [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
-  [[nodiscard]] T* begin() noexcept { return values_.data(); }
-  [[nodiscard]] T* end() noexcept { return values_.data() + size_; }
-  [[nodiscard]] const T* begin() const noexcept { return values_.data(); }
-  [[nodiscard]] const T* end() const noexcept { return values_.data() + size_; }
-  [[nodiscard]] std::span<const T> span() const noexcept { return {values_.data(), size_}; }
 
  private:
   std::array<T, N> values_{};

@@ -1,6 +1,7 @@
 #include "core/graph/delaunay.hpp"
 #include "core/graph/landmark_graph.hpp"
 #include "core/memory/arena.hpp"
+#include "firmware/arena_block.hpp"
 #include "tools/commands/command.hpp"
 #include "tools/commands/progress_bar.hpp"
 #include "tools/output/write_file.hpp"
@@ -14,6 +15,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace slamsensor::tools {
@@ -27,32 +29,15 @@ struct Options {
   std::string out;
 };
 
-/// The graph of a set of points, in memory of its own.
-class EdgeCounter {
- public:
-  explicit EdgeCounter(std::uint32_t points) {
-    core::Arena measuring;
-    (void)Parts(measuring, points);
-    block_.resize(measuring.bytes_used() / sizeof(Line) + 1);
-    core::Arena arena(std::as_writable_bytes(std::span(block_)));
-    parts_ = std::make_unique<Parts>(arena, points);
+/// The complete graph is the largest that a depth can give.
+struct EdgeCounter {
+  EdgeCounter(core::Arena& arena, std::uint32_t points) noexcept
+      : delaunay(arena, points), graph(arena, "graph", points, points * (points - 1) / 2) {}
+  std::uint32_t count(std::span<const core::Point2> points, std::uint32_t depth) noexcept {
+    return graph.build(points, delaunay, depth) ? graph.edge_count() : 0;
   }
-  std::uint32_t operator()(std::span<const core::Point2> points, std::uint32_t depth) {
-    return parts_->graph.build(points, parts_->delaunay, depth) ? parts_->graph.edge_count() : 0;
-  }
-
- private:
-  struct alignas(core::Arena::kAlignment) Line {
-    std::byte bytes[core::Arena::kAlignment];
-  };
-  struct Parts {
-    Parts(core::Arena& arena, std::uint32_t points)
-        : delaunay(arena, points), graph(arena, "graph", points, points * (points - 1) / 2) {}
-    core::Delaunay delaunay;
-    core::LandmarkGraph graph;
-  };
-  std::vector<Line> block_;
-  std::unique_ptr<Parts> parts_;
+  core::Delaunay delaunay;
+  core::LandmarkGraph graph;
 };
 
 std::vector<core::Point2> uniform_square(std::uint32_t count, std::uint64_t seed) {
@@ -66,14 +51,14 @@ std::vector<core::Point2> uniform_square(std::uint32_t count, std::uint64_t seed
 }
 
 CommandResult run(const Options& options) {
-  EdgeCounter count_edges(options.points);
+  firmware::ArenaBlock<EdgeCounter> edges(options.points);
   std::vector<double> mean(options.depth + 1, 0.0);
   {
     ProgressBar bar("edges");
     for (std::uint32_t set = 0; set < options.sets; ++set) {
       const auto points = uniform_square(options.points, options.seed + set);
       for (std::uint32_t depth = 1; depth <= options.depth; ++depth) {
-        mean[depth] += count_edges(points, depth) / static_cast<double>(options.sets);
+        mean[depth] += edges->count(points, depth) / static_cast<double>(options.sets);
         bar.update(set * options.depth + depth, std::size_t{options.sets} * options.depth);
       }
     }

@@ -1,5 +1,6 @@
 #include "core/fix_names.hpp"
 #include "core/localizer.hpp"
+#include "firmware/arena_block.hpp"
 #include "tools/commands/command.hpp"
 #include "tools/commands/config_options.hpp"
 #include "tools/commands/progress_bar.hpp"
@@ -31,26 +32,6 @@ struct Query {
   std::int64_t scan = 0;
   core::Fix fix;
   double milliseconds = 0.0;
-};
-
-/// A localizer in a block of its own size.
-class Located {
- public:
-  explicit Located(const core::Config& config) {
-    core::Arena measuring;
-    (void)std::make_unique<core::Localizer>(measuring, config);
-    block_.resize(measuring.bytes_used() / sizeof(Line) + 1);
-    core::Arena arena(std::as_writable_bytes(std::span(block_)));
-    localizer_ = std::make_unique<core::Localizer>(arena, config);
-  }
-  core::Localizer* operator->() { return localizer_.get(); }
-
- private:
-  struct alignas(core::Arena::kAlignment) Line {
-    std::byte bytes[core::Arena::kAlignment];
-  };
-  std::vector<Line> block_;
-  std::unique_ptr<core::Localizer> localizer_;
 };
 
 /// The configuration with room for the whole map: it is known before anything is taken.
@@ -119,7 +100,7 @@ CommandResult run(const Options& options) {
   std::vector<core::Point2> map_W;
   std::transform(map->begin(), map->end(), std::back_inserter(map_W),
                  [](const MapPoint& p) { return p.position_W; });
-  Located localizer(with_room_for(loaded->config.core, map_W.size()));
+  firmware::ArenaBlock<core::Localizer> localizer(with_room_for(loaded->config.core, map_W.size()));
   if (!localizer->set_map(map_W)) {
     return tl::unexpected(CommandError{options.map.string() + ": a landmark is out of reach\n", EX_DATAERR});
   }
