@@ -124,8 +124,10 @@ void HypothesisSet::report(const Offspring& best, Fix& fix) noexcept {
   const Candidate& candidate = litter.found.list[chosen];
   fix.error_xi = PositionalError::of_scan(map, candidate.triangle);
   // The residuals tell how well the scan fits the map about it. Between there and the origin stand xi
-  // triangulations of the same kind, whose errors add up like a random walk.
-  fix.covariance *= 1.0 + fix.error_xi;
+  // triangulations of the same kind; a heading error of one displaces all that follow, so their errors add up
+  // rather than average out.
+  const double chain = 1.0 + fix.error_xi;
+  fix.covariance *= chain * chain;
   association_.matches = candidate.matches;
   for (std::size_t i = 0; i < candidate.matches.size(); ++i) {
     association_.matched_W[i] = map.positions_W()[candidate.matches[i].map];
