@@ -9,8 +9,12 @@
 namespace slamsensor::core {
 namespace {
 
-constexpr std::uint32_t kDegreeMax = 8191;              // larger degrees sort as this one
-constexpr std::uint64_t kVerticesPerDeadlineLook = 64;  // about 0.1 ms
+constexpr std::uint32_t kDegreeMax = 8191;  // larger degrees sort as this one
+// Work between two looks at the deadline, in map edges compared; a pose held against the map counts as many.
+// About 0.1 ms.
+constexpr std::uint32_t kWorkPerDeadlineLook = 4096;
+constexpr std::uint32_t kWorkPerPose = 256;
+constexpr std::uint32_t kWorkPerVertex = 64;
 constexpr std::uint32_t kInliersMin = 4;  // three match by construction: only a fourth says anything
 constexpr std::uint32_t kScanEdgesMax = kScanLandmarksMax * (kScanLandmarksMax - 1) / 2;
 
@@ -79,25 +83,38 @@ void PaperSearch::search(std::span<const Point2> scan_L, const MapView& map, std
   sort_by_degree();
   const auto share =
       static_cast<std::uint64_t>(std::ceil(config_.order_share * static_cast<double>(vertices)));
-  visit_until(std::min<std::uint64_t>(share, vertices), deadline, found);
+  deadline_ = deadline;
+  visit_until(std::min<std::uint64_t>(share, vertices), found);
 }
 
 void PaperSearch::search_rest(const Deadline& deadline, Candidates& found) noexcept {
-  visit_until(found.vertices_total, deadline, found);
+  deadline_ = deadline;
+  visit_until(found.vertices_total, found);
 }
 
-void PaperSearch::visit_until(std::uint64_t end, const Deadline& deadline, Candidates& found) noexcept {
+bool PaperSearch::out_of_time(std::uint32_t work) noexcept {
+  work_ += work;
+  if (work_ >= kWorkPerDeadlineLook) {
+    work_ = 0;
+    expired_ = expired_ || deadline_.expired();
+  }
+  return expired_;
+}
+
+void PaperSearch::visit_until(std::uint64_t end, Candidates& found) noexcept {
+  work_ = 0;
+  expired_ = deadline_.expired();
   for (std::uint64_t i = found.vertices_searched; i < end; ++i) {
-    if (i % kVerticesPerDeadlineLook == 0 && deadline.expired()) {
-      found.end = SearchEnd::Deadline;
-      return;
-    }
     const Vertex vertex = order_[i];
     if (degree_[vertex] < 2) {  // no triangle here, nor at any later vertex
       found.vertices_searched = found.vertices_total;
       break;
     }
     visit(vertex, found);
+    if (out_of_time(kWorkPerVertex)) {
+      found.end = SearchEnd::Deadline;
+      return;
+    }
     found.vertices_searched = i + 1;
   }
   found.end = found.vertices_searched == found.vertices_total ? SearchEnd::Complete : SearchEnd::Share;
@@ -184,6 +201,9 @@ void PaperSearch::visit(Vertex vertex, Candidates& found) noexcept {
         continue;
       }
       for (std::uint32_t b = group_first_[g]; b < group_first_[g + 1]; ++b) {
+        if (out_of_time(group_first_[h + 1] - group_first_[h])) {
+          return;
+        }
         for (std::uint32_t c = group_first_[h]; c < group_first_[h + 1]; ++c) {
           if (map_edge_fits(neighbours_[b].map, neighbours_[c].map, side_m)) {
             try_triangle(apex, neighbours_[b], neighbours_[c], found);
@@ -240,6 +260,9 @@ void PaperSearch::try_triangle(const Neighbour& a, const Neighbour& b, const Nei
 void PaperSearch::try_pose(const Pose2& pose_W, const std::array<std::uint32_t, 3>& triangle,
                            Candidates& found) noexcept {
   ++found.poses_tried;
+  if (out_of_time(kWorkPerPose)) {
+    return;
+  }
   if (scorer_.count_inliers(pose_W, scan_L_, *map_, kInliersMin) < kInliersMin) {
     return;
   }

@@ -46,7 +46,8 @@ class PaperSearch {
 
   void count_degrees() noexcept;
   void sort_by_degree() noexcept;
-  void visit_until(std::uint64_t end, const Deadline& deadline, Candidates& found) noexcept;
+  void visit_until(std::uint64_t end, Candidates& found) noexcept;
+  [[nodiscard]] bool out_of_time(std::uint32_t work) noexcept;
   void gather_neighbours(Vertex vertex, Candidates& found) noexcept;
   void visit(Vertex vertex, Candidates& found) noexcept;
   void try_triangle(const Neighbour& a, const Neighbour& b, const Neighbour& c, Candidates& found) noexcept;
@@ -72,6 +73,9 @@ class PaperSearch {
   std::uint32_t group_count_ = 0;
   std::span<const Point2> scan_L_;
   const MapView* map_ = nullptr;
+  Deadline deadline_;
+  std::uint32_t work_ = 0;  // since the last look at the deadline
+  bool expired_ = false;
 };
 
 }  // namespace slamsensor::core

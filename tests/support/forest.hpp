@@ -43,7 +43,8 @@ inline Forest make_forest(std::uint32_t count, Draw& draw) {
   std::vector<std::vector<core::Point2>> cells(columns * columns);
   const auto cell = [&](double v) { return static_cast<std::size_t>((v + 0.5 * forest.side_m) / kSpacing); };
   while (forest.trees_W.size() < count) {
-    const core::Point2 p(draw.uniform(-0.5, 0.5) * forest.side_m, draw.uniform(-0.5, 0.5) * forest.side_m);
+    // In braces draws are made in the order written, whatever the compiler.
+    const core::Point2 p{draw.uniform(-0.5, 0.5) * forest.side_m, draw.uniform(-0.5, 0.5) * forest.side_m};
     const std::size_t cx = cell(p.x());
     const std::size_t cy = cell(p.y());
     bool free = true;
@@ -84,7 +85,7 @@ inline std::vector<core::Point2> scan_forest(const Forest& forest, const core::P
   for (std::size_t i = 0; i < nearest; ++i) {
     if (draw.uniform(0.0, 1.0) >= model.dropped_share) {
       scan_L.push_back(T_L_W * trees[i] +
-                       core::Point2(draw.normal(model.sigma_m), draw.normal(model.sigma_m)));
+                       core::Point2{draw.normal(model.sigma_m), draw.normal(model.sigma_m)});
     }
   }
   for (std::uint32_t i = 0; i < model.spurious; ++i) {

@@ -78,7 +78,7 @@ TEST(Acceptance, RowsAreAmbiguous) {
   std::vector<Point2> rows;
   for (int x = 0; x < 20; ++x) {
     for (int y = 0; y < 20; ++y) {
-      rows.emplace_back(4.0 * x + draw.normal(0.05), 3.0 * y + draw.normal(0.05));
+      rows.push_back(Point2{4.0 * x + draw.normal(0.05), 3.0 * y + draw.normal(0.05)});
     }
   }
   AssociationConfig config;
@@ -95,7 +95,7 @@ TEST(Acceptance, ChanceOfAMatchIsTheDensityTimesTheDisc) {
   Searched searched(forest.trees_W, {});
   std::vector<Point2> anywhere;
   for (int i = 0; i < 60; ++i) {
-    anywhere.emplace_back(draw.uniform(-100, 100), draw.uniform(-100, 100));
+    anywhere.push_back(Point2{draw.uniform(-100, 100), draw.uniform(-100, 100)});
   }
   const double expected = 3.14159 * 0.25 / 70.0;
   EXPECT_NEAR(chance_match({}, anywhere, searched.map_view(), 0.5), expected, 0.15 * expected);

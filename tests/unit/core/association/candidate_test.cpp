@@ -14,7 +14,7 @@ TEST(ScanMoments, DisplacementIsTheRootMeanSquareOverTheScan) {
   for (int round = 0; round < 50; ++round) {
     std::vector<Point2> scan;
     for (int i = 0; i < 12; ++i) {
-      scan.emplace_back(draw.uniform(-20, 40), draw.uniform(-10, 30));
+      scan.push_back(Point2{draw.uniform(-20, 40), draw.uniform(-10, 30)});
     }
     const Pose2 a{draw.uniform(-50, 50), draw.uniform(-50, 50), draw.uniform(-3, 3)};
     const Pose2 b{draw.uniform(-50, 50), draw.uniform(-50, 50), draw.uniform(-3, 3)};

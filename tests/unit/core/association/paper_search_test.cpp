@@ -154,7 +154,29 @@ TEST(PaperSearch, StopsAtTheDeadline) {
   const auto scan = tests::scan_forest(forest, {3, 2, -1}, {}, draw);
   const Candidates& found = searched.search(scan, 1, deadline);
   EXPECT_EQ(found.end, SearchEnd::Deadline);
-  EXPECT_EQ(found.vertices_searched, 128U);  // two looks of 64 vertices passed
+  EXPECT_EQ(looks, 3);  // it does not go on after the look that said so
+  EXPECT_LT(found.vertices_searched, (found.vertices_total + 7) / 8);
+}
+
+// Rows of a plantation, close together: one vertex alone has hundreds of thousands of pairs of neighbours.
+TEST(PaperSearch, LooksAtTheDeadlineWithinAVertex) {
+  std::vector<Point2> lattice;
+  for (int i = 0; i < 64; ++i) {
+    lattice.emplace_back(1.5 * (i % 8), 1.5 * (i / 8));
+  }
+  AssociationConfig config;
+  config.depth = 4;
+  config.tolerance_m = 1.0;
+  Searched searched(lattice, config);
+  int looks = 0;
+  const Deadline deadline{
+      [](void* context) noexcept { return std::chrono::nanoseconds(++*static_cast<int*>(context)); }, &looks,
+      std::chrono::nanoseconds(5)};
+  const Candidates& found = searched.search(lattice, 1, deadline);
+  EXPECT_EQ(found.end, SearchEnd::Deadline);
+  EXPECT_EQ(looks, 5);
+  EXPECT_EQ(found.vertices_searched, 0U);  // it is still at its first vertex
+  EXPECT_LE(found.poses_tried, 5U * 4096U / 256U);
 }
 
 TEST(PaperSearch, IgnoresTheMirrorImage) {

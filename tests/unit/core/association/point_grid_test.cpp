@@ -37,11 +37,11 @@ TEST(PointGrid, FindsWhatBruteForceFinds) {
     const double height = round % 3 == 0 ? 0.0 : draw.uniform(0.0, 300.0);
     std::vector<Point2> points;
     for (std::uint32_t i = draw.below(500); i > 0; --i) {
-      points.emplace_back(draw.uniform(0, width), draw.uniform(0, height));
+      points.push_back(Point2{draw.uniform(0, width), draw.uniform(0, height)});
     }
     grid->build(points, draw.uniform(0.1, 5.0));
     for (int i = 0; i < 30; ++i) {
-      const Point2 q(draw.uniform(-20, width + 20), draw.uniform(-20, height + 20));
+      const Point2 q{draw.uniform(-20, width + 20), draw.uniform(-20, height + 20)};
       expect_like_brute_force(*grid, points, q, draw.uniform(0.0, 30.0));
     }
   }
@@ -69,7 +69,7 @@ TEST(PointGrid, CopyAnswersLikeTheOriginal) {
   tests::InArena<PointGrid> b("grid", 100U);
   std::vector<Point2> points;
   for (int i = 0; i < 100; ++i) {
-    points.emplace_back(draw.uniform(0, 50), draw.uniform(0, 50));
+    points.push_back(Point2{draw.uniform(0, 50), draw.uniform(0, 50)});
   }
   a->build(points, 1.0);
   const std::vector<Point2> twin = points;

@@ -23,9 +23,9 @@ Case make_case(Draw& draw, std::uint32_t count, double sigma_m) {
   Case c;
   c.truth = {draw.uniform(-30, 30), draw.uniform(-30, 30), draw.uniform(-3.1, 3.1)};
   for (std::uint32_t i = 0; i < count; ++i) {
-    c.map_W.emplace_back(draw.uniform(-30, 30), draw.uniform(-30, 30));
+    c.map_W.push_back(Point2{draw.uniform(-30, 30), draw.uniform(-30, 30)});
     c.scan_L.push_back(c.truth.inverse() * c.map_W.back() +
-                       Point2(draw.normal(sigma_m), draw.normal(sigma_m)));
+                       Point2{draw.normal(sigma_m), draw.normal(sigma_m)});
     c.matches.push_back({i, i});
   }
   return c;

@@ -30,7 +30,7 @@ TEST(Triangulation, RecoversThePoseFromExactDistances) {
     const Pose2 truth{draw.uniform(-50, 50), draw.uniform(-50, 50), draw.uniform(-3.14, 3.14)};
     std::array<Point2, 3> map;
     for (Point2& p : map) {
-      p = Point2(draw.uniform(-50, 50), draw.uniform(-50, 50));
+      p = Point2{draw.uniform(-50, 50), draw.uniform(-50, 50)};
     }
     double best = 1e9;
     for (const Pose2& pose : triangulate(seen_from(truth, map), map, 0.01)) {
@@ -88,7 +88,7 @@ TEST(Triangulation, NoiseWithinTheToleranceStaysWithinItsGeometry) {
     const std::array<Point2, 3> map{Point2(20, 0), Point2(-10, 17), Point2(-10, -17)};
     auto scan = seen_from(truth, map);
     for (Point2& p : scan) {
-      p += Point2(draw.normal(0.05), draw.normal(0.05));
+      p += Point2{draw.normal(0.05), draw.normal(0.05)};
     }
     double best = 1e9;
     for (const Pose2& pose : triangulate(scan, map, 0.5)) {
