@@ -129,8 +129,11 @@ TEST_P(Experiments, FixWithoutAWrongOne) {
     EXPECT_EQ(one.wrong, 0U) << "seed " << seed;
     all.scans += one.scans;
     all.fixes += one.fixes;
+    all.nees.insert(all.nees.end(), one.nees.begin(), one.nees.end());
   }
   EXPECT_GE(static_cast<double>(all.fixes), fixes_share_min * static_cast<double>(all.scans));
+  // Honest covariances: the median of chi-squared with 3 degrees of freedom is 2.4, its 90 % quantile 6.3.
+  EXPECT_LE(median(all.nees), 6.3);
 }
 
 // A plantation of rows looks the same from many places: there, only silence is asked for, no fixes.
