@@ -27,8 +27,9 @@ Comparison compare(const Candidate& best, const Candidate& rival, std::span<cons
   std::array<double, kScanLandmarksMax> rival_m;  // NOLINT
   const auto fill = [&](const Candidate& candidate, std::span<double> distance_m) {
     std::fill(distance_m.begin(), distance_m.end(), kUnexplained);
+    const RigidMotion move(candidate.pose_W);
     for (const Match& m : candidate.matches) {
-      distance_m[m.scan] = (candidate.pose_W * scan_L[m.scan] - map_W[m.map]).norm();
+      distance_m[m.scan] = (move(scan_L[m.scan]) - map_W[m.map]).norm();
     }
   };
   fill(best, std::span(best_m).first(scan_L.size()));

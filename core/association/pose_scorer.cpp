@@ -8,21 +8,6 @@ namespace {
 constexpr double kRobustScaleShare =
     1.0 / 3.0;  // of the tolerance: the spread that true matches are expected to have
 
-/// The pose with its sine and cosine taken once.
-class Mover {
- public:
-  explicit Mover(const Pose2& pose) noexcept
-      : t_(pose.translation()), c_(std::cos(pose.heading_rad)), s_(std::sin(pose.heading_rad)) {}
-  [[nodiscard]] Point2 operator()(const Point2& p) const noexcept {
-    return {t_.x() + c_ * p.x() - s_ * p.y(), t_.y() + s_ * p.x() + c_ * p.y()};
-  }
-
- private:
-  Point2 t_;
-  double c_;
-  double s_;
-};
-
 bool same_matches(const MatchList& a, const MatchList& b) noexcept {
   if (a.size() != b.size()) {
     return false;
@@ -44,7 +29,7 @@ PoseScorer::PoseScorer(Arena& arena, const AssociationConfig& config,
 
 std::uint32_t PoseScorer::count_inliers(const Pose2& pose_W, std::span<const Point2> scan_L,
                                         const MapView& map, std::uint32_t enough) const noexcept {
-  const Mover move(pose_W);
+  const RigidMotion move(pose_W);
   std::uint32_t count = 0;
   auto left = static_cast<std::uint32_t>(scan_L.size());
   for (const Point2& p : scan_L) {
@@ -64,7 +49,7 @@ double PoseScorer::match(const Pose2& pose_W, std::span<const Point2> scan_L, co
     SLAMSENSOR_ASSERT(claims_.try_resize(map.positions_W.size()));
   }
   ++round_;
-  const Mover move(pose_W);
+  const RigidMotion move(pose_W);
   matches.clear();
   for (std::uint32_t i = 0; i < scan_L.size(); ++i) {
     const Point2 seen_W = move(scan_L[i]);

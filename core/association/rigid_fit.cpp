@@ -55,8 +55,9 @@ Pose2 fit_pose_robust(const Pose2& start, std::span<const Match> matches, std::s
   constexpr int kRounds = 5;
   Pose2 pose = start;
   for (int round = 0; round < kRounds; ++round) {
+    const RigidMotion move(pose);
     const auto fitted = fit_weighted(matches, scan_L, map_W, [&](const Match& m) {
-      const double r = (pose * scan_L[m.scan] - map_W[m.map]).squaredNorm() / (scale_m * scale_m);
+      const double r = (move(scan_L[m.scan]) - map_W[m.map]).squaredNorm() / (scale_m * scale_m);
       return 1.0 / ((1.0 + r) * (1.0 + r));
     });
     if (!fitted) {

@@ -21,9 +21,10 @@ double chance_match(const Pose2& pose_W, std::span<const Point2> scan_L, const M
   }
   const double radius_m = kDensityRadiusTolerances * tolerance_m;
   const double share = (tolerance_m * tolerance_m) / (radius_m * radius_m);
+  const RigidMotion move(pose_W);
   double sum = 0.0;
   for (const Point2& p : scan_L) {
-    sum += std::min(1.0, share * map.grid.count_within(pose_W * p, radius_m));
+    sum += std::min(1.0, share * map.grid.count_within(move(p), radius_m));
   }
   return sum / static_cast<double>(scan_L.size());
 }
@@ -31,9 +32,10 @@ double chance_match(const Pose2& pose_W, std::span<const Point2> scan_L, const M
 double log10_chance(const Candidate& candidate, std::span<const Point2> scan_L, const MapView& map,
                     double tolerance_m) noexcept {
   std::array<double, kScanLandmarksMax> shares;  // NOLINT: the part that is read is written first
+  const RigidMotion move(candidate.pose_W);
   for (std::size_t i = 0; i < candidate.matches.size(); ++i) {
     const Match& m = candidate.matches[i];
-    const double distance2 = (candidate.pose_W * scan_L[m.scan] - map.positions_W[m.map]).squaredNorm();
+    const double distance2 = (move(scan_L[m.scan]) - map.positions_W[m.map]).squaredNorm();
     shares[i] = std::min(1.0, distance2 / (tolerance_m * tolerance_m));
   }
   const std::span<double> used = std::span(shares).first(candidate.matches.size());

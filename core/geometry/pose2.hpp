@@ -45,4 +45,20 @@ struct Pose2 {
   }
 };
 
+/// A pose whose sine and cosine are taken once, to move many points.
+class RigidMotion {
+ public:
+  explicit RigidMotion(const Pose2& pose) noexcept
+      : t_(pose.translation()), c_(std::cos(pose.heading_rad)), s_(std::sin(pose.heading_rad)) {}
+
+  [[nodiscard]] Point2 operator()(const Point2& p) const noexcept {
+    return {t_.x() + c_ * p.x() - s_ * p.y(), t_.y() + s_ * p.x() + c_ * p.y()};
+  }
+
+ private:
+  Point2 t_;
+  double c_;
+  double s_;
+};
+
 }  // namespace slamsensor::core
