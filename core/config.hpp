@@ -84,8 +84,6 @@ struct MappingConfig {
 
 /// What memory is taken for at construction (DESIGN 2.7).
 struct Capacities {
-  std::uint32_t scan_readings =
-      300'000;  ///< readings of a scanline that are buffered at once never exceed this
   std::uint32_t occupied_cells = 65'536;  ///< spiderweb cells of a scan: 51 scanlines of 701 columns fit
   std::uint32_t scan_landmarks = 128;     ///< landmarks of a scan that association can take
   std::uint32_t map_landmarks = 10'000;   ///< landmarks of a hypothesis' map

@@ -16,7 +16,6 @@ Fix Slam::finish_scan(const ScanTime& time, const Deadline& deadline) noexcept {
 
 Fix Slam::process(std::span<const ScanLandmark> landmarks, const ScanTime& time,
                   const Deadline& deadline) noexcept {
-  landmarks_ = landmarks;
   Fix fix = hypotheses_.process(landmarks, deadline);
   fix.time = time;
   return fix;

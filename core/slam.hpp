@@ -31,8 +31,7 @@ class Slam {
   [[nodiscard]] Fix process(std::span<const ScanLandmark> landmarks, const ScanTime& time,
                             const Deadline& deadline) noexcept;
 
-  /// The landmarks of the last scan, heaviest first; valid until the next scan.
-  [[nodiscard]] std::span<const ScanLandmark> landmarks() const noexcept { return landmarks_; }
+  [[nodiscard]] const LandmarkDetector& detector() const noexcept { return detector_; }
   [[nodiscard]] const HypothesisSet& hypotheses() const noexcept { return hypotheses_; }
 
   /// Forgets maps and paths; the next scan starts a new map.
@@ -41,7 +40,6 @@ class Slam {
  private:
   LandmarkDetector detector_;
   HypothesisSet hypotheses_;
-  std::span<const ScanLandmark> landmarks_;
 };
 
 /// The memory that Slam takes with `config`, line by line; `bytes` receives the size of the block to give it.

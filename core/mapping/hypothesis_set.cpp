@@ -40,7 +40,6 @@ Fix HypothesisSet::process(std::span<const ScanLandmark> landmarks, const Deadli
   fix.scan = scans_++;
   fix.jumps = jumps_;
   take_landmarks(landmarks);
-  association_.matches.clear();
   fix.landmarks_seen = static_cast<std::uint32_t>(scan_B_.size());
   if (scan_B_.size() < std::max(3U, config_.association.landmarks_min)) {
     fix.reason = FixReason::TooFewLandmarks;
@@ -128,10 +127,6 @@ void HypothesisSet::report(const Offspring& best, Fix& fix) noexcept {
   // rather than average out.
   const double chain = 1.0 + fix.error_xi;
   fix.covariance *= chain * chain;
-  association_.matches = candidate.matches;
-  for (std::size_t i = 0; i < candidate.matches.size(); ++i) {
-    association_.matched_W[i] = map.positions_W()[candidate.matches[i].map];
-  }
 }
 
 void HypothesisSet::extend(std::uint32_t slot, const Offspring& offspring) noexcept {

@@ -19,12 +19,6 @@
 
 namespace slamsensor::core {
 
-/// What the last association worked on, for pictures and diagnosis. Valid until the next scan.
-struct Association {
-  MatchList matches;  ///< of the best hypothesis; `map` indexes the map before the scan was brought in
-  std::array<Point2, kScanLandmarksMax> matched_W{};  ///< where the map had the matched landmarks, m
-};
-
 /// Events of the fixed memory and of the search, counted since construction.
 struct Counters {
   std::uint64_t landmarks_cut = 0;       ///< scan landmarks beyond capacities.scan_landmarks, lightest first
@@ -49,7 +43,6 @@ class HypothesisSet {
 
   [[nodiscard]] bool empty() const noexcept { return kept_.empty(); }
   [[nodiscard]] const Hypothesis& best() const noexcept { return *pool_[kept_[0]]; }
-  [[nodiscard]] const Association& association() const noexcept { return association_; }
   [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
 
  private:
@@ -80,7 +73,6 @@ class HypothesisSet {
   FixedVector<std::uint32_t, kHypothesesMax> kept_;             // slots of pool_, best W first
   BoundedVector<Point2> scan_B_;   // in the body frame: what core localises is the body
   BoundedVector<Litter> litters_;  // per place in kept_
-  Association association_;
   Counters counters_;
   std::uint32_t scans_ = 0;
   std::uint32_t jumps_ = 0;

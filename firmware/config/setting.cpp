@@ -187,8 +187,6 @@ const Setting kSettings[] = {
     {"mapping.prune_chances_min", "", "But not before this many chances.",
      integer<kCore, kMapping, &MappingConfig::prune_chances_min>(1, 1'000'000)},
 
-    {"capacities.scan_readings", "", "Readings of a scanline that are buffered at once.",
-     integer<kCore, kCapacities, &Capacities::scan_readings>(1'000, 10'000'000)},
     {"capacities.occupied_cells", "", "Cells of the spiderweb grid that a scan can occupy.",
      integer<kCore, kCapacities, &Capacities::occupied_cells>(100, 20'000'000)},
     {"capacities.scan_landmarks", "", "Landmarks of a scan that association can take.",

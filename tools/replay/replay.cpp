@@ -69,6 +69,8 @@ tl::expected<Replay, InputError> replay(const std::vector<std::filesystem::path>
     }
   }
   take_map(pipeline.slam().hypotheses(), result);
+  result.cells_dropped = pipeline.slam().detector().cells_dropped();
+  result.readings_refused = pipeline.slam().detector().readings_refused();
   return result;
 }
 

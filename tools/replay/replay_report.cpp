@@ -92,7 +92,9 @@ std::string reasons_text(const Replay& replay) {
 }
 
 std::string counters_text(const Replay& replay) {
-  const std::array<std::pair<const char*, std::uint64_t>, 6> counters{{
+  const std::array<std::pair<const char*, std::uint64_t>, 8> counters{{
+      {"readings that were impossible", replay.readings_refused},
+      {"sightings beyond capacities.occupied_cells", replay.cells_dropped},
       {"landmarks beyond capacities.scan_landmarks", replay.counters.landmarks_cut},
       {"landmarks that were no places", replay.counters.landmarks_refused},
       {"landmarks evicted from a full map", replay.landmarks_evicted},
