@@ -65,6 +65,7 @@ class Cli(unittest.TestCase):
         code, output, errors = run("replay", "--out", self.out, self.write("scan_1.pcd", pcd([(math.nan,) * 3])))
         self.assertEqual(code, OK, errors)
         self.assertIn("too_few_landmarks", output)
+        self.assertIn("cloud points without a direction: 1", output)
 
     def test_readings_that_are_none(self):
         head = "pan_deg,tilt_deg,range_m\n"

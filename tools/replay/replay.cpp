@@ -63,6 +63,7 @@ tl::expected<Replay, InputError> replay(const std::vector<std::filesystem::path>
     if (!*scan) {
       break;
     }
+    result.points_skipped += (*scan)->points_skipped;
     result.rows.push_back(localise(**scan, pipeline));
     if (progress) {
       progress(result.rows.size() + result.refused.size(), (*source)->count(), result.rows.back());

@@ -25,6 +25,7 @@ struct Replay {
   std::vector<bool> matched;         ///< per landmark of `map`: by the last scan that has a fix
   std::vector<std::string> refused;  ///< messages of the scans that could not be read
   core::Counters counters;
+  std::uint64_t points_skipped = 0;    ///< of clouds: without a direction (NaN, or the origin)
   std::uint64_t cells_dropped = 0;     ///< sightings beyond capacities.occupied_cells
   std::uint64_t readings_refused = 0;  ///< NaN, infinite or otherwise impossible
   std::uint64_t landmarks_evicted = 0;

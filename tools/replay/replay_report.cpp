@@ -92,7 +92,8 @@ std::string reasons_text(const Replay& replay) {
 }
 
 std::string counters_text(const Replay& replay) {
-  const std::array<std::pair<const char*, std::uint64_t>, 8> counters{{
+  const std::array<std::pair<const char*, std::uint64_t>, 9> counters{{
+      {"cloud points without a direction", replay.points_skipped},
       {"readings that were impossible", replay.readings_refused},
       {"sightings beyond capacities.occupied_cells", replay.cells_dropped},
       {"landmarks beyond capacities.scan_landmarks", replay.counters.landmarks_cut},
