@@ -1,0 +1,45 @@
+#pragma once
+
+#include "hal/counters.hpp"
+#include "hal/stamp.hpp"
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace slamsensor::hal {
+
+/// How a device driver stands.
+enum class DeviceState : std::uint8_t {
+  Absent,    ///< the link is down
+  Starting,  ///< the link is up; the driver is finding out what is there and setting it up
+  Ready,     ///< the device has answered and does its work
+  Faulted,   ///< it answers, but cannot work (its own report, or it is the wrong device); retried with
+             ///< back-off
+};
+
+/// What every driver has: a state machine on one link that is stepped, never waits, and starts over by itself
+/// after a loss, whatever was lost: the link, the power of the device, its settings, a byte. Drivers are
+/// never given up; a caller that steps one regularly gets it running again when the device can.
+class Device {
+ public:
+  Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  virtual ~Device() = default;
+
+  /// Reads what has arrived, acts on it and on the time, writes what is due. `now` never decreases. Call it
+  /// at least every 10 ms.
+  virtual void step(Stamp now) noexcept = 0;
+
+  [[nodiscard]] virtual DeviceState state() const noexcept = 0;
+
+  /// What stands in the way, for a person, while the state is not Ready ("no reply at 9600, 38400 or 19200
+  /// baud; check cable and power"); empty when nothing does. Lives as long as the program.
+  [[nodiscard]] virtual std::string_view problem() const noexcept = 0;
+
+  /// Counts of everything refused, repeated, lost or out of order; names are unique within the device.
+  [[nodiscard]] virtual std::span<const Counter> counters() const noexcept = 0;
+};
+
+}  // namespace slamsensor::hal

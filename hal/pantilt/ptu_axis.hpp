@@ -1,0 +1,89 @@
+#pragma once
+
+#include "hal/pantilt/pan_tilt.hpp"
+#include "hal/pantilt/ptu_command.hpp"
+#include "hal/pantilt/ptu_config.hpp"
+#include "hal/pantilt/ptu_counters.hpp"
+#include "hal/pantilt/ptu_exchange.hpp"
+#include "hal/pantilt/ptu_facts.hpp"
+#include "hal/pantilt/ptu_track.hpp"
+#include "hal/ring.hpp"
+
+#include <cstdint>
+#include <optional>
+
+namespace slamsensor::hal {
+
+using PtuSamples = Ring<AxisSample, kAxisSamplesMax>;
+
+/// One axis of a unit that is Ready: the move asked for, the move under way, and which of the reported
+/// positions are believed.
+class PtuAxis {
+ public:
+  /// All of them outlive this.
+  PtuAxis(Axis axis, const PtuConfig& config, PtuCounters& counters, PtuSamples& samples) noexcept
+      : axis_(axis), config_(config), counters_(counters), samples_(samples) {}
+
+  /// The axis rests at `position` of a unit that tells `facts`.
+  void set_up(const PtuAxisFacts& facts, std::int32_t position, Stamp now) noexcept;
+
+  /// The unit is lost: no move, no position.
+  void forget() noexcept;
+
+  /// Takes a move, to be sent as next_command() says. Accepted, Busy or OutOfRange.
+  [[nodiscard]] MoveStatus ask(double target_rad, double speed_radps) noexcept;
+
+  /// What must be sent for the move asked for: its speed when the unit's may differ, then its target.
+  [[nodiscard]] std::optional<PtuCommand> next_command() const noexcept;
+
+  /// The answer to what next_command() said.
+  void on_moved(const PtuAnswer& answer, Stamp now) noexcept;
+
+  /// The unit's speed setting is no longer sure.
+  void forget_speed() noexcept { speed_set_ = 0; }
+
+  void drop_request() noexcept { request_.reset(); }
+
+  /// The unit has confirmed a halt.
+  void on_halted(Stamp now) noexcept;
+
+  /// When the next poll is due.
+  [[nodiscard]] Stamp due() const noexcept { return due_; }
+  void on_poll_sent(Stamp now) noexcept;
+  void poll_again(Stamp now) noexcept { due_ = now; }
+
+  /// Judges a position and delivers it if believed. False when the axis must be set up again.
+  [[nodiscard]] bool on_sighting(const PtuSighting& sighting, Stamp now) noexcept;
+
+  [[nodiscard]] const AxisStatus& status() const noexcept { return status_; }
+
+ private:
+  struct Request {
+    std::int32_t target = 0;
+    std::int32_t speed_ps = 0;
+    std::optional<Stamp> first_sent;  // of a target whose confirmation is missing
+  };
+
+  void on_speed_set() noexcept;
+  void begin_move(const Request& request, const PtuAnswer& answer) noexcept;
+  void deliver(const PtuSighting& sighting) noexcept;
+  void end_move() noexcept;
+  [[nodiscard]] std::int32_t position_at(Stamp when) const noexcept;
+
+  Axis axis_;
+  const PtuConfig& config_;
+  PtuCounters& counters_;
+  PtuSamples& samples_;
+  PtuAxisFacts facts_;
+  double unit_rad_ = 0.0;  // of one position, signed by the sense
+  AxisInfo info_;
+  AxisStatus status_;
+  PtuTrack track_;
+  std::optional<Request> request_;
+  std::int32_t speed_set_ = 0;   // 0: not known
+  std::int32_t move_speed_ = 0;  // of the move under way
+  std::int32_t target_ = 0;      // of the move under way
+  Stamp due_{};
+};
+
+}  // namespace slamsensor::hal

@@ -1,0 +1,283 @@
+#include "hal/pantilt/ptu_driver.hpp"
+
+#include <utility>
+
+namespace slamsensor::hal {
+namespace {
+
+constexpr std::uint32_t kRefusedPollsMax = 5;  // in a row; one may be a lost byte
+
+constexpr std::string_view kLineDown =
+    "pan-tilt unit: its serial line is down; check the adapter and its cable";
+
+}  // namespace
+
+tl::expected<std::unique_ptr<PtuDriver>, InitError> PtuDriver::create(const PtuConfig& config,
+                                                                      ByteLink& link) {
+  if (std::optional<InitError> error = ptu_config_error(config)) {
+    return tl::unexpected(std::move(*error));
+  }
+  return std::unique_ptr<PtuDriver>(new PtuDriver(config, link));
+}
+
+PtuDriver::PtuDriver(const PtuConfig& config, ByteLink& link)
+    : config_(config),
+      link_(link),
+      exchange_(link, config_, counters_),
+      startup_(link, config_, counters_, exchange_),
+      pan_(Axis::Pan, config_, counters_, samples_),
+      tilt_(Axis::Tilt, config_, counters_, samples_) {
+}
+
+void PtuDriver::step(Stamp now) noexcept {
+  if (!link_ready(now)) {
+    return;
+  }
+  exchange_.step(now);
+  const PtuExchange::Notices notices = exchange_.take_notices();
+  if (state_ == DeviceState::Ready) {
+    step_ready(now, notices);
+  } else {
+    step_starting(now, notices);
+  }
+}
+
+std::string_view PtuDriver::problem() const noexcept {
+  if (state_ == DeviceState::Ready) {
+    return {};
+  }
+  return state_ == DeviceState::Absent ? kLineDown : startup_.problem();
+}
+
+MoveStatus PtuDriver::move(Axis axis, double target_rad, double speed_radps) noexcept {
+  const MoveStatus status = state_ != DeviceState::Ready ? MoveStatus::NotReady
+                            : halt_due_                  ? MoveStatus::Busy
+                                                         : part(axis).ask(target_rad, speed_radps);
+  counters_.count(PtuEvent::MovesRefused, status == MoveStatus::Accepted ? 0 : 1);
+  return status;
+}
+
+MoveStatus PtuDriver::halt() noexcept {
+  if (state_ != DeviceState::Ready) {
+    counters_.count(PtuEvent::MovesRefused);
+    return MoveStatus::NotReady;
+  }
+  halt_due_ = true;
+  return MoveStatus::Accepted;
+}
+
+/// Brings the link up and starts over when it is new.
+bool PtuDriver::link_ready(Stamp now) noexcept {
+  link_.service(now);
+  if (!link_.is_up()) {
+    if (state_ != DeviceState::Absent) {
+      forget();
+      state_ = DeviceState::Absent;
+    }
+    return false;
+  }
+  if (state_ == DeviceState::Absent || link_.epoch() != epoch_) {
+    epoch_ = link_.epoch();
+    startup_.renew();
+    restart(now);
+  }
+  return true;
+}
+
+void PtuDriver::forget() noexcept {
+  pan_.forget();
+  tilt_.forget();
+  pending_.reset();
+  job_ = Job::None;
+  refused_polls_ = 0;
+  halt_due_ = false;
+  echo_due_ = false;
+  feedback_due_ = false;
+}
+
+void PtuDriver::restart(Stamp now) noexcept {
+  counters_.count(PtuEvent::Restarts, begun_ ? 1 : 0);
+  begun_ = true;
+  forget();
+  state_ = DeviceState::Starting;
+  startup_.begin(now);
+}
+
+void PtuDriver::step_starting(Stamp now, const PtuExchange::Notices& notices) noexcept {
+  switch (startup_.step(now, notices)) {
+    case PtuStartup::Progress::Running:
+      state_ = DeviceState::Starting;
+      break;
+    case PtuStartup::Progress::Faulted:
+      state_ = DeviceState::Faulted;
+      break;
+    case PtuStartup::Progress::Done:
+      get_ready(now);
+      break;
+  }
+}
+
+void PtuDriver::get_ready(Stamp now) noexcept {
+  pan_.set_up(startup_.facts(Axis::Pan), startup_.position(Axis::Pan), now);
+  tilt_.set_up(startup_.facts(Axis::Tilt), startup_.position(Axis::Tilt), now);
+  info_.model = FixedText<80>(exchange_.version());
+  info_.pan = ptu_axis_info(startup_.facts(Axis::Pan), config_.pan_sense);
+  info_.tilt = ptu_axis_info(startup_.facts(Axis::Tilt), config_.tilt_sense);
+  disturbances_ = exchange_.disturbances();
+  state_ = DeviceState::Ready;
+}
+
+void PtuDriver::step_ready(Stamp now, const PtuExchange::Notices& notices) noexcept {
+  if (notices.banner) {
+    restart(now);
+    startup_.begin_powered(now);
+    return;
+  }
+  echo_due_ = echo_due_ || notices.echo;
+  feedback_due_ = feedback_due_ || notices.verbose;
+  heed_disturbance(now);
+  if (const std::optional<PtuAnswer> answer = exchange_.take_answer()) {
+    on_answer(*answer, now);
+  }
+  if (exchange_.lost()) {
+    restart(now);
+  }
+  if (state_ != DeviceState::Ready) {
+    return;
+  }
+  const bool free = exchange_.ready(now) && due_job(now) != Job::None;
+  if (pending_ && (free || now >= pending_->since + config_.drain)) {
+    believe_pending(now);
+  }
+  if (free && state_ == DeviceState::Ready) {
+    send_job(due_job(now), now);
+  }
+}
+
+/// What was taken last may be the very reply that was one too many, and the unit may have lost its settings.
+void PtuDriver::heed_disturbance(Stamp now) noexcept {
+  if (exchange_.disturbances() == disturbances_) {
+    return;
+  }
+  disturbances_ = exchange_.disturbances();
+  pan_.forget_speed();
+  tilt_.forget_speed();
+  if (pending_) {
+    counters_.count(PtuEvent::PositionsRevoked);
+    part(pending_->axis).poll_again(now);
+    pending_.reset();
+  }
+}
+
+void PtuDriver::on_answer(const PtuAnswer& answer, Stamp now) noexcept {
+  const Job job = std::exchange(job_, Job::None);
+  const bool settled = answer.outcome != PtuOutcome::Failed;
+  switch (job) {
+    case Job::None:
+      break;
+    case Job::Halt:
+      if (settled) {
+        halt_due_ = false;
+        pan_.on_halted(now);
+        tilt_.on_halted(now);
+      }
+      break;
+    case Job::Echo:
+      echo_due_ = !settled;
+      counters_.count(PtuEvent::SettingsRestored, settled ? 1 : 0);
+      pan_.forget_speed();
+      tilt_.forget_speed();
+      break;
+    case Job::Feedback:
+      feedback_due_ = !settled;
+      counters_.count(PtuEvent::SettingsRestored, settled ? 1 : 0);
+      break;
+    case Job::Move:
+      part(answer.command.axis()).on_moved(answer, now);
+      if (answer.axis_error) {
+        startup_.want_reset();
+        restart(now);
+      }
+      break;
+    case Job::Poll:
+      on_position(answer, now);
+      break;
+  }
+}
+
+void PtuDriver::on_position(const PtuAnswer& answer, Stamp now) noexcept {
+  const Axis axis = answer.command.axis();
+  refused_polls_ = answer.outcome == PtuOutcome::Refused ? refused_polls_ + 1 : 0;
+  if (refused_polls_ >= kRefusedPollsMax) {
+    restart(now);
+    return;
+  }
+  if (answer.outcome != PtuOutcome::Done) {
+    part(axis).poll_again(now);
+    return;
+  }
+  const Stamp half = (answer.begun - answer.sent) / 2;
+  pending_ = Pending{{answer.sent + half, half, static_cast<std::int32_t>(answer.value)}, axis, now};
+}
+
+void PtuDriver::believe_pending(Stamp now) noexcept {
+  const Pending pending = *pending_;
+  pending_.reset();
+  if (!part(pending.axis).on_sighting(pending.sighting, now)) {
+    restart(now);
+  }
+}
+
+Axis PtuDriver::next_poll() const noexcept {
+  return tilt_.due() < pan_.due() ? Axis::Tilt : Axis::Pan;
+}
+
+PtuDriver::Job PtuDriver::due_job(Stamp now) const noexcept {
+  if (halt_due_) {
+    return Job::Halt;
+  }
+  if (echo_due_) {
+    return Job::Echo;
+  }
+  if (feedback_due_) {
+    return Job::Feedback;
+  }
+  if (pan_.next_command() || tilt_.next_command()) {
+    return Job::Move;
+  }
+  return part(next_poll()).due() <= now ? Job::Poll : Job::None;
+}
+
+void PtuDriver::send_job(Job job, Stamp now) noexcept {
+  PtuCommand command("H", PtuExpect::Setting);
+  Stamp timeout = config_.motion_timeout;
+  switch (job) {
+    case Job::None:
+      return;
+    case Job::Halt:
+      pan_.drop_request();
+      tilt_.drop_request();
+      break;
+    case Job::Echo:
+    case Job::Feedback:
+      command = PtuCommand(job == Job::Echo ? "ED" : "FT", PtuExpect::Setting);
+      timeout = config_.mode_timeout;
+      break;
+    case Job::Move:
+      command = pan_.next_command() ? *pan_.next_command() : tilt_.next_command().value_or(command);
+      break;
+    case Job::Poll:
+      command = PtuCommand::query(next_poll(), PtuQuantity::Position);
+      timeout = config_.query_timeout;
+      break;
+  }
+  if (!exchange_.send(command, timeout, now)) {
+    return;
+  }
+  job_ = job;
+  if (job == Job::Poll) {
+    part(command.axis()).on_poll_sent(now);
+  }
+}
+
+}  // namespace slamsensor::hal

@@ -1,0 +1,81 @@
+#pragma once
+
+#include "hal/fixed_text.hpp"
+#include "hal/pantilt/ptu_config.hpp"
+#include "hal/pantilt/ptu_counters.hpp"
+#include "hal/pantilt/ptu_exchange.hpp"
+#include "hal/pantilt/ptu_rates.hpp"
+
+#include <cstdint>
+#include <string_view>
+
+namespace slamsensor::hal {
+
+/// Finds a unit on its line, whatever state it is in: tries the line rates, ends a monitor scan or half a
+/// command, turns echo and sentences off, reads the version twice alike (the marker by which the exchange
+/// gets back in step), and changes to the fast rate where configured. A unit that shows that it is resetting
+/// is waited for.
+class PtuFinder {
+ public:
+  /// All of them outlive this.
+  PtuFinder(ByteLink& link, const PtuConfig& config, PtuCounters& counters, PtuExchange& exchange);
+
+  /// Starts over at the rate that worked last.
+  void begin(Stamp now) noexcept;
+
+  /// Makes the settings again at a rate where the unit has answered just now.
+  void settle(Stamp now) noexcept { enter(Phase::Echo, now); }
+
+  /// Starts over at the same rate while the unit is resetting or has replied before, else at the next one.
+  void fail(Stamp now) noexcept;
+
+  /// The unit has been switched on just now: waits for its reset.
+  void await_reset(Stamp now) noexcept;
+
+  /// The line is new: the fast rate is tried again.
+  void renew() noexcept { rates_.renew(); }
+
+  /// Takes note of signs of life.
+  void heed(const PtuExchange::Notices& notices, Stamp now) noexcept;
+
+  void on_answer(const PtuAnswer& answer, Stamp now) noexcept;
+
+  /// Sends what is due.
+  void step(Stamp now) noexcept;
+
+  [[nodiscard]] bool found() const noexcept { return phase_ == Phase::Found; }
+
+  /// Whether a command is expected to be answered.
+  [[nodiscard]] bool is_asking() const noexcept { return phase_ > Phase::Quiet && phase_ < Phase::Found; }
+  [[nodiscard]] std::string_view problem() const noexcept { return problem_; }
+
+ private:
+  enum class Phase : std::uint8_t { Wake, Quiet, Echo, Feedback, Version, Rate, Found };
+
+  void enter(Phase phase, Stamp now) noexcept;
+  void wake(Stamp now) noexcept;
+  void ask(Stamp now) noexcept;
+  void on_version(Stamp now) noexcept;
+  void on_rate(const PtuAnswer& answer, Stamp now) noexcept;
+  void give_up_rate(Stamp now) noexcept;
+  void recover_network(Stamp now) noexcept;
+  [[nodiscard]] bool resetting() const noexcept;
+
+  ByteLink& link_;
+  const PtuConfig& config_;
+  PtuCounters& counters_;
+  PtuExchange& exchange_;
+  PtuRates rates_;
+  FixedText<kPtuLineMax> version_;  // as told before
+  Phase phase_ = Phase::Wake;
+  std::string_view problem_;
+  Stamp wait_until_{};
+  Stamp resetting_since_{};
+  std::uint32_t signs_ = 0;  // that a unit at this rate is resetting
+  bool replied_ = false;     // at this rate
+  std::uint32_t attempts_ = 0;
+  bool recovering_ = false;
+  bool recovered_ = false;
+};
+
+}  // namespace slamsensor::hal

@@ -1,0 +1,160 @@
+#include "hal/rangefinder/benewake_frame.hpp"
+
+#include <algorithm>
+
+namespace slamsensor::hal {
+
+std::uint8_t benewake_checksum(std::span<const std::uint8_t> bytes) noexcept {
+  std::uint32_t sum = 0;
+  for (const std::uint8_t byte : bytes) {
+    sum += byte;
+  }
+  return static_cast<std::uint8_t>(sum & 0xFF);
+}
+
+std::size_t write_benewake(std::uint8_t id, std::span<const std::uint8_t> payload,
+                           std::span<std::uint8_t> into) noexcept {
+  const std::size_t size = payload.size() + kBenewakeCommandMin;
+  if (size > kBenewakeCommandMax || size > into.size()) {
+    return 0;
+  }
+  into[0] = kBenewakeCommand;
+  into[1] = static_cast<std::uint8_t>(size);
+  into[2] = id;
+  std::copy(payload.begin(), payload.end(), into.begin() + 3);
+  into[size - 1] = benewake_checksum(into.first(size - 1));
+  return size;
+}
+
+bool is_benewake_command(std::span<const std::uint8_t> bytes) noexcept {
+  return bytes.size() >= kBenewakeCommandMin && bytes.size() <= kBenewakeCommandMax &&
+         bytes[0] == kBenewakeCommand && bytes[1] == bytes.size() &&
+         benewake_checksum(bytes.first(bytes.size() - 1)) == bytes.back();
+}
+
+BenewakeParser::Found BenewakeParser::push(std::uint8_t byte) noexcept {
+  std::copy(tail_.begin() + 1, tail_.end(), tail_.begin());
+  tail_.back() = byte;
+  bytes_[size_++] = byte;  // follow() and search() leave room for one
+  ++position_;
+  Found found;
+  found.has_reading = follow() || search();
+  found.has_reply = find_reply();
+  return found;
+}
+
+bool BenewakeParser::is_frame_at(std::size_t at) const noexcept {
+  const auto frame = std::span(bytes_).subspan(at, kBenewakeFrame);
+  return frame[0] == kBenewakeData && frame[1] == kBenewakeData &&
+         benewake_checksum(frame.first(kBenewakeFrame - 1)) == frame.back();
+}
+
+/// In step with the device: what follows must be a frame or a reply.
+bool BenewakeParser::follow() noexcept {
+  if (!is_locked_) {
+    return false;
+  }
+  if (bytes_[0] == kBenewakeCommand) {
+    if (size_ < 2) {
+      return false;
+    }
+    const std::size_t size = bytes_[1];
+    if (size < kBenewakeCommandMin || size > kBenewakeCommandMax) {
+      lose();
+    } else if (size_ >= size) {
+      is_benewake_command(std::span(bytes_).first(size)) ? drop(size) : lose();
+    }
+    return false;
+  }
+  if (bytes_[0] != kBenewakeData || (size_ > 1 && bytes_[1] != kBenewakeData)) {
+    lose();
+    return false;
+  }
+  if (size_ < kBenewakeFrame) {
+    return false;
+  }
+  if (!is_frame_at(0)) {
+    counters_.count(RangeEvent::ChecksumErrors);
+    lose();
+    return false;
+  }
+  take_frame(0);
+  return true;
+}
+
+bool BenewakeParser::search() noexcept {
+  while (!is_locked_ && size_ > 0) {
+    if (bytes_[0] != kBenewakeData || (size_ > 1 && bytes_[1] != kBenewakeData)) {
+      skip_byte();
+      continue;
+    }
+    if (size_ < kBenewakeFrame) {
+      return false;
+    }
+    if (!is_frame_at(0)) {
+      skip_byte();
+      continue;
+    }
+    if (size_ < kSearch) {
+      return false;
+    }
+    if (!is_frame_at(kBenewakeFrame) || is_ambiguous()) {
+      skip_byte();
+      continue;
+    }
+    counters_.count(RangeEvent::ReadingsWithheld);
+    take_frame(kBenewakeFrame);
+    is_locked_ = true;
+    return true;
+  }
+  return false;
+}
+
+bool BenewakeParser::is_ambiguous() const noexcept {
+  for (std::size_t at = 1; at < kBenewakeFrame; ++at) {
+    if (is_frame_at(at) && is_frame_at(at + kBenewakeFrame)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// A reply may come at any place, also while data frames are not found; its own checksum and the driver's
+/// comparison with what was asked guard it.
+bool BenewakeParser::find_reply() noexcept {
+  const std::size_t longest = std::min<std::uint64_t>(position_, tail_.size());
+  for (std::size_t size = kBenewakeCommandMin; size <= longest; ++size) {
+    if (is_benewake_command(std::span(tail_).last(size))) {
+      reply_size_ = size;
+      return true;
+    }
+  }
+  return false;
+}
+
+void BenewakeParser::take_frame(std::size_t at) noexcept {
+  const auto word = [&](std::size_t i) {
+    return static_cast<std::uint16_t>(bytes_[at + i] | bytes_[at + i + 1] << 8);
+  };
+  reading_ = {word(2), word(4), bytes_[at + 6]};
+  reading_end_ = position_ - size_ + at + kBenewakeFrame;
+  drop(at + kBenewakeFrame);
+}
+
+void BenewakeParser::drop(std::size_t count) noexcept {
+  std::copy(bytes_.begin() + static_cast<std::ptrdiff_t>(count),
+            bytes_.begin() + static_cast<std::ptrdiff_t>(size_), bytes_.begin());
+  size_ -= count;
+}
+
+void BenewakeParser::skip_byte() noexcept {
+  counters_.count(RangeEvent::BytesSkipped);
+  drop(1);
+}
+
+void BenewakeParser::lose() noexcept {
+  counters_.count(RangeEvent::LocksLost);
+  is_locked_ = false;
+}
+
+}  // namespace slamsensor::hal

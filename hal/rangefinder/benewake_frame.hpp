@@ -1,0 +1,77 @@
+#pragma once
+
+#include "hal/rangefinder/benewake_products.hpp"
+#include "hal/rangefinder/range_counters.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace slamsensor::hal {
+
+/// Benewake's serial framing (TF03 manual). Data: 59 59, distance, strength, two more bytes, checksum.
+/// Commands and their replies: 5A, whole length, number, payload, checksum. A checksum is the low byte of the
+/// sum of all before it.
+inline constexpr std::uint8_t kBenewakeData = 0x59;
+inline constexpr std::uint8_t kBenewakeCommand = 0x5A;
+inline constexpr std::size_t kBenewakeFrame = 9;
+inline constexpr std::size_t kBenewakeCommandMin = 4;
+inline constexpr std::size_t kBenewakeCommandMax = 16;
+
+[[nodiscard]] std::uint8_t benewake_checksum(std::span<const std::uint8_t> bytes) noexcept;
+
+/// Writes the command into `into`; its size, or 0 when it has no room there or is too long.
+[[nodiscard]] std::size_t write_benewake(std::uint8_t id, std::span<const std::uint8_t> payload,
+                                         std::span<std::uint8_t> into) noexcept;
+
+/// Whether `bytes` are one whole command frame.
+[[nodiscard]] bool is_benewake_command(std::span<const std::uint8_t> bytes) noexcept;
+
+/// Finds data frames and replies in a stream of bytes. The checksum is weak (of noise behind 59 59 one frame
+/// in 256 passes), so after any loss a frame counts only when two fit end to end at one place and no other.
+class BenewakeParser {
+ public:
+  struct Found {
+    bool has_reading = false;
+    bool has_reply = false;
+  };
+
+  explicit BenewakeParser(RangeCounters& counters) noexcept : counters_(counters) {}
+
+  /// Takes the next byte of the stream.
+  [[nodiscard]] Found push(std::uint8_t byte) noexcept;
+
+  /// Of the last push that found a reading: it, and the place in the stream after it.
+  [[nodiscard]] const BenewakeReading& reading() const noexcept { return reading_; }
+  [[nodiscard]] std::uint64_t reading_end() const noexcept { return reading_end_; }
+  /// Of the last push that found a reply: the whole frame.
+  [[nodiscard]] std::span<const std::uint8_t> reply() const noexcept {
+    return {tail_.data() + tail_.size() - reply_size_, reply_size_};
+  }
+
+ private:
+  [[nodiscard]] bool is_frame_at(std::size_t at) const noexcept;
+  [[nodiscard]] bool is_ambiguous() const noexcept;
+  [[nodiscard]] bool follow() noexcept;
+  [[nodiscard]] bool search() noexcept;
+  [[nodiscard]] bool find_reply() noexcept;
+  void take_frame(std::size_t at) noexcept;
+  void drop(std::size_t count) noexcept;
+  void skip_byte() noexcept;
+  void lose() noexcept;
+
+  RangeCounters& counters_;
+  /// Two frames, and what shows whether two fit at another place as well.
+  static constexpr std::size_t kSearch = 3 * kBenewakeFrame - 1;
+  std::array<std::uint8_t, kSearch> bytes_{};
+  std::size_t size_ = 0;
+  std::array<std::uint8_t, kBenewakeCommandMax> tail_{};  ///< the newest bytes, newest last
+  std::size_t reply_size_ = 0;
+  BenewakeReading reading_;
+  std::uint64_t reading_end_ = 0;
+  std::uint64_t position_ = 0;
+  bool is_locked_ = false;
+};
+
+}  // namespace slamsensor::hal

@@ -1,0 +1,129 @@
+#include "hal/rangefinder/range_driver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace slamsensor::hal {
+namespace {
+
+constexpr Stamp kPause = std::chrono::milliseconds(50);  // longer than any lump of the host
+constexpr double kSilentPeriods = 20.0;
+constexpr Stamp kSilenceLeast = std::chrono::milliseconds(250);  // longer than a stall of the host
+constexpr std::size_t kLostMost = 1000;
+
+}  // namespace
+
+std::optional<InitError> range_config_error(const RangeConfig& config) {
+  if (!(config.range_max_m > 0.0 && config.range_max_m <= 1e5)) {
+    return InitError{"rangefinder: range_max_m " + std::to_string(config.range_max_m) +
+                     " is outside 0 (excluded) to 100000"};
+  }
+  if (!(config.weak_below < config.saturated_from)) {
+    return InitError{"rangefinder: weak_below " + std::to_string(config.weak_below) +
+                     " is not less than saturated_from " + std::to_string(config.saturated_from)};
+  }
+  if (!(config.clock.tolerance_ppm >= 0.0 && config.clock.tolerance_ppm <= 1e5)) {
+    return InitError{"rangefinder: tolerance_ppm " + std::to_string(config.clock.tolerance_ppm) +
+                     " is outside 0 to 100000"};
+  }
+  return std::nullopt;
+}
+
+Measurement judged(Measurement raw, Strength strength, const RangeConfig& config) noexcept {
+  if (raw.echo == Echo::Return) {
+    if (!std::isfinite(raw.range_m)) {
+      raw.echo = Echo::Fault;
+    } else if (raw.range_m <= 0.0 || raw.range_m > config.range_max_m) {
+      raw.echo = Echo::None;
+    } else if (strength == Strength::Known && raw.strength < config.weak_below) {
+      raw.echo = Echo::Weak;
+    } else if (strength == Strength::Known && raw.strength >= config.saturated_from) {
+      raw.echo = Echo::Saturated;
+    }
+  }
+  if (raw.echo != Echo::Return) {
+    raw.range_m = 0.0;
+  }
+  if (strength == Strength::Unknown) {
+    raw.strength = 0.0;
+  }
+  return raw;
+}
+
+RangeDriver::RangeDriver(std::unique_ptr<DeviceLine> line, const RangeConfig& config) noexcept
+    : clock_(config.clock), line_(std::move(line)), dialogue_(*line_, *this, counters_), config_(config) {
+  info_.range_max_m = config.range_max_m;
+}
+
+void RangeDriver::step(Stamp now) noexcept {
+  if (!dialogue_.open(now)) {
+    clock_.restart();
+    return;
+  }
+  receive(now);
+  dialogue_.close(now);
+}
+
+void RangeDriver::expect_rate(double rate_hz, std::size_t block) noexcept {
+  clock_.set_rate(rate_hz);
+  info_.rate_hz = rate_hz;
+  const Stamp silence = from_seconds(kSilentPeriods * static_cast<double>(block) / rate_hz);
+  dialogue_.expect(rate_hz, std::max(silence, kSilenceLeast));
+}
+
+void RangeDriver::deliver(std::span<const Measurement> block, Stamp latest, Stamp now) noexcept {
+  block = block.first(std::min(block.size(), kBlockMax));
+  std::array<Stamp, kBlockMax> stamps{};
+  const std::uint64_t missing = clock_.missing();
+  const std::uint64_t relocks = clock_.relocks();
+  clock_.stamp(latest, std::span(stamps).first(block.size()));
+  counters_.count(RangeEvent::PeriodsMissing, clock_.missing() - missing);
+  counters_.count(RangeEvent::PhaseLocks, clock_.relocks() - relocks);
+  const bool is_trusted = dialogue_.state() == DeviceState::Ready && clock_.settled();
+  dialogue_.heard(now, block.size());
+  if (!is_trusted) {
+    counters_.count(RangeEvent::ReadingsWithheld, block.size());
+    return;
+  }
+  for (std::size_t i = 0; i < block.size(); ++i) {
+    if (!samples_.try_push({stamps[i], block[i].range_m, block[i].strength, block[i].echo})) {
+      counters_.count(RangeEvent::ReadingsDropped);
+    }
+  }
+}
+
+SerialRangeDriver::SerialRangeDriver(ByteLink& link, const LineRates& rates,
+                                     const RangeConfig& config) noexcept
+    : RangeDriver(std::make_unique<SerialLine>(link, rates), config),
+      serial_(static_cast<SerialLine&>(*line_)) {
+}
+
+void SerialRangeDriver::receive(Stamp now) noexcept {
+  serial_.allow_bytes();
+  for (auto bytes = serial_.read(); !bytes.empty(); bytes = serial_.read()) {
+    last_byte_ = now;
+    for (const std::uint8_t byte : bytes) {
+      on_byte(byte, now);
+    }
+  }
+  if (now - last_byte_ > kPause) {
+    last_byte_ = now;
+    on_pause(now);
+  }
+}
+
+void SerialRangeDriver::deliver_record(std::span<const Measurement> block, std::uint64_t begin,
+                                       std::uint64_t end, Stamp now) noexcept {
+  // Bytes between two records are the remains of records that did not come through.
+  const std::uint64_t size = end - begin;
+  if (clock_.settled() && begin > last_end_ && size > 0) {
+    const std::uint64_t lost = (begin - last_end_ + size / 2) / size;
+    clock_.skip(static_cast<std::size_t>(std::min<std::uint64_t>(lost, kLostMost)) * block.size());
+  }
+  last_end_ = end;
+  deliver(block, serial_.latest_begin(begin, end), now);
+}
+
+}  // namespace slamsensor::hal

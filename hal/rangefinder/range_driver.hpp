@@ -1,0 +1,107 @@
+#pragma once
+
+#include "hal/init_error.hpp"
+#include "hal/rangefinder/dialogue.hpp"
+#include "hal/rangefinder/range_counters.hpp"
+#include "hal/rangefinder/rangefinder.hpp"
+#include "hal/rangefinder/serial_line.hpp"
+#include "hal/ring.hpp"
+#include "hal/timing/sample_clock.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+
+namespace slamsensor::hal {
+
+/// Settings that every rangefinder driver has.
+struct RangeConfig {
+  double range_max_m = 300.0;  ///< what is farther is Echo::None; positive
+  double weak_below = 0.0;     ///< strength, in the device's unit, below which a distance is not trusted
+  double saturated_from = std::numeric_limits<double>::infinity();  ///< strength from which it is not
+  SampleClockConfig clock{};
+};
+
+/// What is wrong with `config`, if anything.
+[[nodiscard]] std::optional<InitError> range_config_error(const RangeConfig& config);
+
+/// A reading as its record tells it.
+struct Measurement {
+  double range_m = 0.0;
+  double strength = 0.0;
+  Echo echo = Echo::Return;
+};
+
+enum class Strength : std::uint8_t { Unknown, Known };
+
+/// `raw` with what no driver may hand out taken away: a distance that is not finite is a fault; one that is
+/// not positive or beyond the range is no return; one of a known strength outside the limits is Weak or
+/// Saturated.
+[[nodiscard]] Measurement judged(Measurement raw, Strength strength, const RangeConfig& config) noexcept;
+
+/// What is common to all rangefinder drivers: the readings kept for the caller, their times, the state.
+class RangeDriver : public Rangefinder, protected Script {
+ public:
+  void step(Stamp now) noexcept final;
+  [[nodiscard]] DeviceState state() const noexcept final { return dialogue_.state(); }
+  [[nodiscard]] std::string_view problem() const noexcept final { return dialogue_.problem(); }
+  [[nodiscard]] std::span<const Counter> counters() const noexcept final { return counters_.all(); }
+  [[nodiscard]] std::size_t take(std::span<RangeSample> into) noexcept final { return samples_.take(into); }
+  [[nodiscard]] const RangefinderInfo& info() const noexcept final { return info_; }
+
+ protected:
+  static constexpr std::size_t kBlockMax = 256;
+
+  RangeDriver(std::unique_ptr<DeviceLine> line, const RangeConfig& config) noexcept;
+
+  /// Reads what has arrived, at most a step's share, and acts on it.
+  virtual void receive(Stamp now) noexcept = 0;
+
+  /// Hands out readings (at most kBlockMax) of which the last cannot have been sent later than `latest`;
+  /// withholds them while the driver is not Ready or the clock not settled.
+  void deliver(std::span<const Measurement> block, Stamp latest, Stamp now) noexcept;
+
+  /// From here on the device sends `rate_hz`, in records of `block` readings.
+  void expect_rate(double rate_hz, std::size_t block) noexcept;
+
+  [[nodiscard]] const RangeConfig& config() const noexcept { return config_; }
+  RangeCounters counters_;
+  RangefinderInfo info_;
+  SampleClock clock_;
+  std::unique_ptr<DeviceLine> line_;
+  Dialogue dialogue_;
+
+ private:
+  RangeConfig config_;
+  Ring<RangeSample, kRangeSamplesMax> samples_;
+};
+
+/// A driver on a serial line: bytes to records, and the time and the loss that the place of a record in the
+/// stream tells.
+class SerialRangeDriver : public RangeDriver {
+ protected:
+  SerialRangeDriver(ByteLink& link, const LineRates& rates, const RangeConfig& config) noexcept;
+
+  void receive(Stamp now) noexcept final;
+
+  /// Acts on the next byte of the stream.
+  virtual void on_byte(std::uint8_t byte, Stamp now) noexcept = 0;
+  /// No byte has come for so long that no record is under way.
+  virtual void on_pause(Stamp now) noexcept = 0;
+
+  /// deliver() for the record in the bytes [begin, end) of the stream.
+  void deliver_record(std::span<const Measurement> block, std::uint64_t begin, std::uint64_t end,
+                      Stamp now) noexcept;
+
+  SerialLine& serial_;
+
+ private:
+  std::uint64_t last_end_ = 0;  ///< of the last record delivered; 0: none since the clock started
+  Stamp last_byte_{};
+};
+
+}  // namespace slamsensor::hal

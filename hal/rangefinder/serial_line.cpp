@@ -1,0 +1,67 @@
+#include "hal/rangefinder/serial_line.hpp"
+
+#include <algorithm>
+
+namespace slamsensor::hal {
+
+LineRates rates_from(std::uint32_t first, std::span<const std::uint32_t> others) noexcept {
+  LineRates rates{first};
+  std::size_t count = 1;
+  for (const std::uint32_t rate : others) {
+    if (rate != first && count < rates.size()) {
+      rates[count++] = rate;
+    }
+  }
+  return rates;
+}
+
+SerialLine::SerialLine(ByteLink& link, const LineRates& rates) noexcept : link_(link), rates_(rates) {
+}
+
+void SerialLine::service(Stamp now) noexcept {
+  link_.service(now);
+  if (link_.baud() != baud()) {
+    apply_rate();
+  }
+}
+
+void SerialLine::next_rate() noexcept {
+  rate_ = (rate_ + 1) % rates_.size();
+  if (rates_[rate_] == 0) {
+    rate_ = 0;
+  }
+  apply_rate();
+}
+
+void SerialLine::set_baud(std::uint32_t baud) noexcept {
+  const auto known = std::find(rates_.begin(), rates_.end(), baud);
+  if (known != rates_.end()) {
+    rate_ = static_cast<std::size_t>(known - rates_.begin());
+  } else {
+    rate_ = rates_.size() - 1;
+    rates_[rate_] = baud;
+  }
+  apply_rate();
+}
+
+void SerialLine::apply_rate() noexcept {
+  // Down: the link uses the rate when it comes back, or cannot and no reply will say so.
+  (void)link_.set_baud(baud());
+  link_.discard_input();
+}
+
+std::span<const std::uint8_t> SerialLine::read() noexcept {
+  if (read_in_step_ >= kBytesPerStep) {
+    return {};
+  }
+  const ByteRead got = link_.read(chunk_);
+  if (got.status != LinkStatus::Ok) {
+    return {};
+  }
+  const std::size_t count = std::min(got.count, chunk_.size());
+  read_in_step_ += count;
+  log_.note(count, got.stamp);
+  return {chunk_.data(), count};
+}
+
+}  // namespace slamsensor::hal

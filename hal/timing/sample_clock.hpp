@@ -1,0 +1,92 @@
+#pragma once
+
+#include "hal/stamp.hpp"
+#include "hal/timing/lower_line.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace slamsensor::hal {
+
+enum class SampleTiming : std::uint8_t {
+  Periodic,   ///< the device sends at a constant rate: its own times are reconstructed
+  AsArrived,  ///< it does not: a reading has the latest moment at which it can have been sent
+};
+
+struct SampleClockConfig {
+  SampleTiming timing = SampleTiming::Periodic;
+  double tolerance_ppm = 2000.0;  ///< the device's rate is within this of the nominal one; 0 to 100000
+  /// Bytes are handed out by the host in lumps of at most this: a lateness that lasts longer is a gap.
+  Stamp lump = std::chrono::milliseconds(20);
+  /// After a pause of this the device's phase is taken to be new.
+  Stamp stop = std::chrono::milliseconds(300);
+};
+
+/// The times at which a device sent its periodic readings, found from arrivals that are late by queues and
+/// lumps, but never early. Readings that were lost become whole periods. Stamps strictly increase. Knows the
+/// time from its callers alone.
+class SampleClock {
+ public:
+  explicit SampleClock(const SampleClockConfig& config) noexcept : config_(config) { set_rate(1.0); }
+
+  /// The device sends `rate_hz` (positive) readings per second from here on; forgets phase and period.
+  void set_rate(double rate_hz) noexcept;
+
+  /// The next reading starts a new phase; the period found so far stays.
+  void restart() noexcept { running_ = false; }
+
+  /// `readings` were sent and lost after the last stamped one. A guess does no lasting harm.
+  void skip(std::size_t readings) noexcept;
+
+  /// Stamps the next readings, which the device sent at equal distances; the last cannot have begun later
+  /// than `latest`.
+  void stamp(Stamp latest, std::span<Stamp> into) noexcept;
+
+  /// Whether enough readings were seen since the last start to know the phase within a lump.
+  [[nodiscard]] bool settled() const noexcept;
+
+  /// Periods without a reading, found from the arrivals alone.
+  [[nodiscard]] std::uint64_t missing() const noexcept { return missing_; }
+  /// Starts of a new phase after the first.
+  [[nodiscard]] std::uint64_t relocks() const noexcept { return relocks_; }
+  [[nodiscard]] double period_s() const noexcept { return line_.slope * 1e-9; }
+
+ private:
+  struct Window {
+    double least_slack = 0.0;
+    double readings = 0.0;
+    std::size_t calls = 0;
+    LowerLine::Point least{};
+  };
+
+  void lock(Stamp latest) noexcept;
+  void track(double y) noexcept;
+  void close_window() noexcept;
+  void close_bucket() noexcept;
+  void move_on(double periods) noexcept;
+  void raise(double by_ns) noexcept;
+  void rebase() noexcept;
+  void emit(std::span<Stamp> into, double last_ns, double period_ns) noexcept;
+  [[nodiscard]] double at(double x) const noexcept { return line_.offset + line_.slope * x; }
+  [[nodiscard]] bool is_full(const Window& window, double length_ns, std::size_t calls) const noexcept;
+
+  SampleClockConfig config_;
+  double nominal_ns_ = 0.0;
+  LowerLine points_;
+  LowerLine::Line line_{};  ///< nanoseconds after base_ over readings
+  Stamp base_{};
+  double x_ = 0.0;  ///< index of the newest reading, counted from base_
+  Window window_;
+  Window bucket_;
+  double before_last_ = 0.0;  ///< least slack of the window before the last closed one
+  double last_ = 0.0;
+  std::size_t windows_ = 0;  ///< closed since the phase began
+  Stamp emitted_ = Stamp::min();
+  bool running_ = false;
+  std::uint64_t missing_ = 0;
+  std::uint64_t relocks_ = 0;
+  bool ever_ran_ = false;
+};
+
+}  // namespace slamsensor::hal

@@ -1,0 +1,197 @@
+#include "tests/support/no_alloc_scope.hpp"
+#include "tests/unit/hal/rangefinder/lwnx_bench.hpp"
+
+#include <gtest/gtest.h>
+
+namespace slamsensor::hal {
+namespace {
+
+using std::chrono::milliseconds;
+using tests::config_at;
+using tests::connect;
+using tests::hex_text;
+using tests::LightWare;
+using tests::packet;
+using tests::RangeBench;
+using tests::word16;
+using tests::word32;
+
+struct NoReturn {
+  const char* product;
+  std::string data;
+};
+
+class NoReturns : public testing::TestWithParam<NoReturn> {};
+
+TEST_P(NoReturns, AreNeverADistance) {
+  RangeBench bench;
+  LightWare device;
+  device.name = GetParam().product;
+  device.reading = [](int) { return packet(44, GetParam().data); };
+  device.period_ms = device.name.rfind("GRF", 0) == 0 ? 200 : 3;
+  connect(bench, device, config_at(device.name.rfind("GRF", 0) == 0 ? 5.0 : 388.0));
+  ASSERT_TRUE(bench.run_until_ready(8000)) << bench.driver->problem();
+  bench.run(3000);
+  ASSERT_FALSE(bench.samples.empty());
+  for (const RangeSample& sample : bench.samples) {
+    EXPECT_EQ(sample.echo, Echo::None);
+    EXPECT_EQ(sample.range_m, 0.0);
+  }
+}
+
+const NoReturn kNoReturns[] = {
+    {"LW20", word16(-1) + word16(0)},        {"LW20", word16(-100) + word16(0)},
+    {"LW20", word16(-1000) + word16(0)},     {"SF20", word16(0) + word16(0)},
+    {"SF20", word16(-1000) + word16(0)},     {"LW24", word16(-1) + word16(0)},
+    {"SF000/B", word16(-100) + word16(0)},   {"SF11/C", word16(-1) + word16(0)},
+    {"SF30/D", word16(-1) + word16(0)},      {"SF45/B", word16(-1) + word16(0)},
+    {"GRF-250", word32(-10) + word32(0)},    {"GRF-500", word32(-10) + word32(0)},
+    {"GRF-500", word32(9000) + word32(100)},  // 900 m is beyond the range of 300 m
+};
+
+INSTANTIATE_TEST_SUITE_P(Products, NoReturns, testing::ValuesIn(kNoReturns));
+
+TEST(LwnxReadings, GrfTellsDecimetres) {
+  RangeBench bench;
+  LightWare device;
+  device.name = "GRF-500";
+  device.period_ms = 200;
+  device.reading = [](int) { return packet(44, word32(1234) + word32(80)); };
+  connect(bench, device, config_at(5.0));
+  ASSERT_TRUE(bench.run_until_ready(5000)) << bench.driver->problem();
+  bench.run(3000);
+  EXPECT_EQ(device.settings[74], word32(50));
+  EXPECT_EQ(device.settings[78], word32(1));
+  ASSERT_FALSE(bench.samples.empty());
+  EXPECT_NEAR(bench.samples[0].range_m, 123.4, 1e-9);
+}
+
+TEST(LwnxReadings, MillimetresWhereTheProductHasThem) {
+  RangeBench bench;
+  LightWare device;
+  device.name = "SF45/B";
+  device.period_ms = 1;
+  device.reading = [](int) { return packet(45, word32(1234) + word32(80)); };
+  LwnxConfig config = config_at(1000.0);
+  config.mode = LwnxMode::ReadingsMm;
+  config.baud = 921600;
+  bench.device_baud = 921600;
+  connect(bench, device, config);
+  ASSERT_TRUE(bench.run_until_ready(3000)) << bench.driver->problem();
+  bench.run(200);
+  EXPECT_EQ(device.settings[66], std::string(1, '\x07'));
+  EXPECT_EQ(device.settings[76], word32(1));
+  ASSERT_FALSE(bench.samples.empty());
+  EXPECT_NEAR(bench.samples[0].range_m, 1.234, 1e-9);
+}
+
+TEST(LwnxReadings, StrengthLimitsTellWeakAndSaturated) {
+  RangeBench bench;
+  LightWare device;
+  int strength = 50;
+  device.reading = [&](int) { return packet(44, word16(1234) + word16(strength)); };
+  LwnxConfig config = config_at(388.0);
+  config.range.weak_below = 10;
+  config.range.saturated_from = 95;
+  connect(bench, device, config);
+  ASSERT_TRUE(bench.run_until_ready(3000));
+  for (const auto& [value, echo] : {std::pair{9, Echo::Weak}, {10, Echo::Return}, {95, Echo::Saturated}}) {
+    strength = value;
+    bench.run(20);
+    bench.samples.clear();
+    bench.run(100);
+    ASSERT_FALSE(bench.samples.empty());
+    EXPECT_EQ(bench.samples[0].echo, echo) << value;
+  }
+}
+
+std::string raw_packet(int tick) {
+  std::string data(1, static_cast<char>(200));
+  for (int i = 0; i < 200; ++i) {
+    data += i == 7 ? word16(-1) : word16(1000 + (tick / 10) % 50);
+  }
+  return packet(40, data);
+}
+
+TEST(LwnxReadings, RawReadingsComeAt20kHz) {
+  RangeBench bench;
+  bench.device_baud = 921600;
+  LightWare device;
+  device.period_ms = 10;
+  device.reading = raw_packet;
+  LwnxConfig config;
+  config.baud = 921600;
+  config.mode = LwnxMode::RawReadings;
+  connect(bench, device, config);
+  ASSERT_TRUE(bench.run_until_ready(3000)) << bench.driver->problem();
+  EXPECT_TRUE(bench.was_written(hex_text("AA 81 00 46 01 0D 70")));
+  EXPECT_TRUE(bench.was_written(hex_text("AA 41 01 1E 01 00 00 00 FE 8A")));
+  EXPECT_DOUBLE_EQ(bench.driver->info().rate_hz, 20000.0);
+  bench.run(2000);
+  ASSERT_GT(bench.samples.size(), 36000u);
+  EXPECT_EQ(bench.counter("readings_dropped"), 0u);
+  for (std::size_t i = 400; i < bench.samples.size(); ++i) {
+    EXPECT_NEAR(to_seconds(bench.samples[i].stamp - bench.samples[i - 1].stamp), 50e-6, 2e-6) << i;
+    EXPECT_NE(bench.samples[i].range_m < 10.0, bench.samples[i].echo == Echo::Return);
+  }
+}
+
+TEST(LwnxReadings, LineTooSlowForTheReadingsIsTold) {
+  RangeBench bench;
+  LightWare device;
+  LwnxConfig config;
+  config.mode = LwnxMode::RawReadings;
+  connect(bench, device, config);
+  EXPECT_FALSE(bench.run_until_ready(3000));
+  EXPECT_EQ(bench.driver->state(), DeviceState::Faulted);
+  EXPECT_NE(bench.driver->problem().find("line rate is too low"), std::string_view::npos);
+}
+
+TEST(LwnxReadings, ReadingsThatNobodyTakesAreDroppedOldestKept) {
+  RangeBench bench;
+  bench.device_baud = 921600;
+  LightWare device;
+  device.period_ms = 10;
+  device.reading = raw_packet;
+  LwnxConfig config;
+  config.baud = 921600;
+  config.mode = LwnxMode::RawReadings;
+  connect(bench, device, config);
+  ASSERT_TRUE(bench.run_until_ready(3000));
+  for (int i = 0; i < 40; ++i) {  // as run(), but takes nothing
+    bench.now += milliseconds(10);
+    bench.link.set_now(bench.now);
+    bench.send(raw_packet(0));
+    bench.driver->step(bench.now);
+  }
+  EXPECT_GT(bench.counter("readings_dropped"), 2000u);
+}
+
+TEST(LwnxReadings, StepsAskTheHeapForNothing) {
+  if (!tests::NoAllocScope::works()) {
+    GTEST_SKIP() << "the heap cannot be watched here";
+  }
+  RangeBench bench;
+  bench.device_baud = 921600;
+  LightWare device;
+  device.period_ms = 10;
+  device.reading = raw_packet;
+  LwnxConfig config;
+  config.baud = 921600;
+  config.mode = LwnxMode::RawReadings;
+  connect(bench, device, config);
+  ASSERT_TRUE(bench.run_until_ready(3000));
+  for (int i = 0; i < 100; ++i) {
+    bench.now += milliseconds(10);
+    bench.link.set_now(bench.now);
+    bench.send(i % 7 == 3 ? std::string("noise\xAA\x40") : raw_packet(i));
+    std::array<RangeSample, 512> into{};
+    const tests::NoAllocScope scope;
+    bench.driver->step(bench.now);
+    (void)bench.driver->take(into);
+    EXPECT_EQ(scope.heap_calls(), 0u);
+  }
+}
+
+}  // namespace
+}  // namespace slamsensor::hal
