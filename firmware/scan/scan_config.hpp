@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <numbers>
+
+namespace slamsensor::firmware {
+
+/// One position of the paper's pan-tilt unit (PTU-46, 185.1428 arc seconds), rad.
+inline constexpr double kPaperStep_rad = std::numbers::pi / 3500.0;
+
+enum class ScanMode : std::uint8_t {
+  Continuous,  ///< one scan after the other
+  Single,      ///< one scan for each request
+};
+
+/// What is swept and how (PanTilt and Rangefinder do it). Defaults: experiments I and II of the paper, 51
+/// scanlines of 5 s. Angles in the frame of the unit: pan to the left and tilt up are positive.
+struct ScanConfig {
+  double pan_min_rad = -2500.0 * kPaperStep_rad;      ///< [-180, 180] deg: -128.57
+  double pan_max_rad = 2500.0 * kPaperStep_rad;       ///< [-180, 180] deg: 128.57
+  double tilt_min_rad = -350.0 * kPaperStep_rad;      ///< [-90, 90] deg: -18.0
+  double tilt_max_rad = 150.0 * kPaperStep_rad;       ///< [-90, 90] deg: 7.71
+  double tilt_step_rad = 10.0 * kPaperStep_rad;       ///< [0.001, 90] deg: 0.514
+  double pan_speed_radps = 1000.0 * kPaperStep_rad;   ///< [0.1, 1000] deg/s: 51.43
+  double tilt_speed_radps = 1000.0 * kPaperStep_rad;  ///< [0.1, 1000] deg/s: 51.43
+  ScanMode mode = ScanMode::Continuous;               ///< continuous, single
+  std::uint32_t calibration_lines = 4;                ///< [0, 100], even: swept at start-up at one tilt
+  double calibration_tilt_rad = 0.0;                  ///< [-90, 90] deg: where they are swept
+  double settle_s = 0.05;                             ///< [0, 10] from the arrival of both axes to the sweep
+  double late_data_s = 0.1;                       ///< [0, 10] how long data of an ended line may be under way
+  double move_margin_s = 2.0;                     ///< [0.1, 60] a move that takes so much longer has stalled
+  double retry_s = 1.0;                           ///< [0, 600] rest between an aborted scan and the next
+  double lines_rejected_max_share = 0.2;          ///< [0, 1] a scan with more rejected lines is aborted
+  std::uint32_t readings_per_line_max = 120'000;  ///< [100, 2000000] room; 56 bytes each
+  std::uint32_t polls_per_line_max = 2'000;       ///< [10, 100000] room for positions of a line
+};
+
+/// How a unit makes a whole position out of where its axis is.
+enum class PositionRounding : std::uint8_t {
+  Nearest,     ///< to the nearest position
+  Down,        ///< to the next position to the right or below
+  TowardZero,  ///< to the next position towards 0
+};
+
+/// How the pan angle is fitted over a line's polls.
+struct PanFitConfig {
+  std::uint32_t polls_min = 5;        ///< [3, 1000] polls of the moving axis that a line needs
+  double poll_jitter_s = 0.001;       ///< [0, 0.1] s: 1 sigma of when a poll is answered, half width apart
+  double speed_error_sigma = 300e-6;  ///< [0, 0.1] share: 1 sigma of the unit's clock, known before the line
+  double speed_error_max = 0.02;      ///< [0, 0.5] share: a line that ran more off than this is rejected
+  double outliers_max_share = 0.3;    ///< [0, 0.5] a line with more polls off the fit is rejected
+  double path_tolerance_rad = 1.75e-3;  ///< [0, 10 deg]: 0.1 deg; a stretch of a line off the motion model by
+                                        ///< this much, and more than chance does, rejects the line
+  PositionRounding rounding = PositionRounding::Nearest;  ///< nearest, down, toward_zero
+};
+
+/// How the constant latency between the two devices is found by the sensor itself.
+struct LatencyConfig {
+  bool self_calibration = true;  ///< false: `initial_s` is used as it stands
+  double initial_s = 0.0;  ///< [-0.5, 0.5] s: added to a reading's stamp until something better is known
+  double initial_sigma_s = 0.02;    ///< [1e-6, 0.5] s: how well that is known
+  double search_s = 0.06;           ///< [0.001, 0.5] s: looked for within this of `initial_s`
+  double pair_sigma_max_s = 0.003;  ///< [1e-5, 0.1] s: a pair of lines that tells less is left out
+  double range_max_m = 300.0;       ///< [1, 10000] what is farther counts as no return
+  std::uint32_t pairs_min = 1;      ///< [1, 1000] pairs that an estimate is made of
+  double departure_sigmas = 5.0;    ///< [1, 100] a later estimate farther off than this is a departure ...
+  double departure_min_s = 0.0002;  ///< [0, 0.1] s: ... if it is off by this at least
+  std::uint32_t confirmations = 3;  ///< [1, 100] departures in a row that agree, until they are believed
+  double drift_sigma_s = 2e-5;      ///< [0, 0.01] s: 1 sigma by which the latency may change in a scan
+};
+
+}  // namespace slamsensor::firmware

@@ -1,0 +1,184 @@
+#include "firmware/scan/scan_scheduler.hpp"
+
+#include <cmath>
+
+namespace slamsensor::firmware {
+namespace {
+
+constexpr SchedulerEvent event_of(ScanAbort reason) noexcept {
+  return static_cast<SchedulerEvent>(static_cast<std::uint8_t>(SchedulerEvent::AbortedPanTiltLost) +
+                                     static_cast<std::uint8_t>(reason));
+}
+
+}  // namespace
+
+ScanScheduler::ScanScheduler(hal::PanTilt& pan_tilt, const hal::Rangefinder& rangefinder,
+                             const ScanConfig& config) noexcept
+    : pan_tilt_(pan_tilt),
+      rangefinder_(rangefinder),
+      config_(config),
+      calibrated_(config.calibration_lines == 0),
+      counters_({"scans_finished", "calibrations_finished", "scans_aborted_pan_tilt_lost",
+                 "scans_aborted_rangefinder_lost", "scans_aborted_move_refused", "scans_aborted_pan_stalled",
+                 "scans_aborted_tilt_stalled", "scans_aborted_lines_rejected", "plans_refused",
+                 "lines_swept"}) {
+}
+
+SchedulerAction ScanScheduler::step(hal::Stamp now, const SchedulerGates& gates) noexcept {
+  if (state_ == SchedulerState::Waiting) {
+    return wait(now);
+  }
+  if (const auto reason = find_abort()) {
+    return abort(*reason, now);
+  }
+  switch (state_) {
+    case SchedulerState::Waiting:
+      break;
+    case SchedulerState::Positioning:
+      return position(now);
+    case SchedulerState::Settling:
+      return settle(now, gates);
+    case SchedulerState::Sweeping:
+      return sweep(now);
+    case SchedulerState::Finishing:
+      return finish(now, gates);
+  }
+  return SchedulerAction::None;
+}
+
+SchedulerAction ScanScheduler::wait(hal::Stamp now) noexcept {
+  const bool wanted = config_.mode == ScanMode::Continuous || requested_;
+  if (!wanted || now < until_ || pan_tilt_.state() != hal::DeviceState::Ready ||
+      rangefinder_.state() != hal::DeviceState::Ready) {
+    return SchedulerAction::None;
+  }
+  if (!make_plan()) {
+    until_ = now + hal::from_seconds(config_.retry_s);
+    return SchedulerAction::None;
+  }
+  const double pan_rad = pan_tilt_.axis(hal::Axis::Pan).position_rad;
+  first_leftwards_ = std::abs(pan_rad - plan_.pan_min_rad) <= std::abs(pan_rad - plan_.pan_max_rad);
+  lines_rejected_ = 0;
+  pass_ = calibrated_ ? ScanPass::Scan : ScanPass::Calibration;
+  begin_line(0);
+  return SchedulerAction::PassBegun;
+}
+
+bool ScanScheduler::make_plan() noexcept {
+  const auto plan = plan_scan(config_, pan_tilt_.info(), rangefinder_.info().rate_hz);
+  if (!plan) {
+    plan_problem_ = plan.error();
+    counters_.count(SchedulerEvent::PlansRefused);
+    return false;
+  }
+  plan_problem_.reset();
+  plan_ = *plan;
+  return true;
+}
+
+void ScanScheduler::begin_line(std::uint32_t line) noexcept {
+  line_ = line;
+  const double tilt_rad = pass_ == ScanPass::Calibration ? plan_.calibration_tilt_rad : plan_.tilt_rad(line);
+  const hal::Stamp margin = hal::from_seconds(config_.move_margin_s);
+  pan_ = AxisMove(hal::Axis::Pan, pan_start_rad(), plan_.pan_speed_radps, margin);
+  tilt_ = AxisMove(hal::Axis::Tilt, tilt_rad, plan_.tilt_speed_radps, margin);
+  state_ = SchedulerState::Positioning;
+}
+
+SchedulerAction ScanScheduler::position(hal::Stamp now) noexcept {
+  const AxisMoveState pan = pan_.step(pan_tilt_, now);
+  const AxisMoveState tilt = tilt_.step(pan_tilt_, now);
+  if (pan == AxisMoveState::Arrived && tilt == AxisMoveState::Arrived) {
+    until_ = now + hal::from_seconds(config_.settle_s);
+    state_ = SchedulerState::Settling;
+  }
+  return SchedulerAction::None;
+}
+
+SchedulerAction ScanScheduler::settle(hal::Stamp now, const SchedulerGates& gates) noexcept {
+  if (now < until_ || !gates.assembler_idle) {
+    return SchedulerAction::None;
+  }
+  pan_ = AxisMove(hal::Axis::Pan, pan_end_rad(), plan_.pan_speed_radps,
+                  hal::from_seconds(config_.move_margin_s));
+  (void)pan_.step(pan_tilt_, now);
+  state_ = SchedulerState::Sweeping;
+  return SchedulerAction::LineBegun;
+}
+
+SchedulerAction ScanScheduler::sweep(hal::Stamp now) noexcept {
+  if (pan_.step(pan_tilt_, now) != AxisMoveState::Arrived) {
+    return SchedulerAction::None;
+  }
+  counters_.count(SchedulerEvent::LinesSwept);
+  if (line_ + 1 < line_count()) {
+    // The tilt goes up while late data comes in; the next sweep waits for the assembler.
+    begin_line(line_ + 1);
+  } else {
+    state_ = SchedulerState::Finishing;
+  }
+  return SchedulerAction::LineEnded;
+}
+
+SchedulerAction ScanScheduler::finish(hal::Stamp now, const SchedulerGates& gates) noexcept {
+  if (!gates.assembler_idle || (pass_ == ScanPass::Calibration && !gates.latency_idle)) {
+    return SchedulerAction::None;
+  }
+  if (pass_ == ScanPass::Calibration) {
+    counters_.count(SchedulerEvent::CalibrationsFinished);
+    calibrated_ = true;
+  } else {
+    counters_.count(SchedulerEvent::ScansFinished);
+    requested_ = false;
+  }
+  until_ = now;
+  state_ = SchedulerState::Waiting;
+  return SchedulerAction::PassEnded;
+}
+
+std::optional<ScanAbort> ScanScheduler::find_abort() const noexcept {
+  if (pan_tilt_.state() != hal::DeviceState::Ready) {
+    return ScanAbort::PanTiltLost;
+  }
+  if (rangefinder_.state() != hal::DeviceState::Ready) {
+    return ScanAbort::RangefinderLost;
+  }
+  if (pan_.state() == AxisMoveState::Refused || tilt_.state() == AxisMoveState::Refused) {
+    return ScanAbort::MoveRefused;
+  }
+  if (pan_.state() == AxisMoveState::Stalled) {
+    return ScanAbort::PanStalled;
+  }
+  if (tilt_.state() == AxisMoveState::Stalled) {
+    return ScanAbort::TiltStalled;
+  }
+  if (pass_ == ScanPass::Scan && lines_rejected_ > config_.lines_rejected_max_share * plan_.lines) {
+    return ScanAbort::LinesRejected;
+  }
+  return std::nullopt;
+}
+
+SchedulerAction ScanScheduler::abort(ScanAbort reason, hal::Stamp now) noexcept {
+  if (pan_tilt_.state() == hal::DeviceState::Ready) {
+    (void)pan_tilt_.halt();  // refused only when the unit has just been lost
+  }
+  abort_reason_ = reason;
+  counters_.count(event_of(reason));
+  until_ = now + hal::from_seconds(config_.retry_s);
+  state_ = SchedulerState::Waiting;
+  return SchedulerAction::PassAborted;
+}
+
+std::uint32_t ScanScheduler::line_count() const noexcept {
+  return pass_ == ScanPass::Calibration ? config_.calibration_lines : plan_.lines;
+}
+
+double ScanScheduler::pan_start_rad() const noexcept {
+  return is_leftwards() ? plan_.pan_min_rad : plan_.pan_max_rad;
+}
+
+double ScanScheduler::pan_end_rad() const noexcept {
+  return is_leftwards() ? plan_.pan_max_rad : plan_.pan_min_rad;
+}
+
+}  // namespace slamsensor::firmware

@@ -1,0 +1,161 @@
+#include "firmware/scan/sensor_head.hpp"
+
+#include <algorithm>
+
+namespace slamsensor::firmware {
+namespace {
+
+// What the drivers keep at most, and what may come in meanwhile.
+constexpr std::size_t kRangeRounds = hal::kRangeSamplesMax / 512 + 1;
+constexpr std::size_t kPositionRounds = hal::kAxisSamplesMax / 64 + 1;
+
+}  // namespace
+
+SensorHead::SensorHead(hal::PanTilt& pan_tilt, hal::Rangefinder& rangefinder, const SensorHeadConfig& config)
+    : pan_tilt_(pan_tilt),
+      rangefinder_(rangefinder),
+      scheduler_(pan_tilt, rangefinder, config.scan),
+      assembler_(config.scan, config.pan_fit),
+      calibration_(config.latency, kScanlinesMax) {
+}
+
+void SensorHead::step(hal::Stamp now) noexcept {
+  pan_tilt_.step(now);
+  rangefinder_.step(now);
+  take_samples();
+  act(scheduler_.step(now, {assembler_.is_idle(), !calibration_.is_busy()}), now);
+  finish_line(now);
+  calibrate();
+}
+
+std::optional<HeadEvent> SensorHead::take() noexcept {
+  HeadEvent event;
+  if (events_.take({&event, 1}) == 0) {
+    return std::nullopt;
+  }
+  return event;
+}
+
+std::string_view SensorHead::problem() const noexcept {
+  if (pan_tilt_.state() != hal::DeviceState::Ready) {
+    return pan_tilt_.problem();
+  }
+  if (rangefinder_.state() != hal::DeviceState::Ready) {
+    return rangefinder_.problem();
+  }
+  const auto& plan_problem = scheduler_.plan_problem();
+  return plan_problem ? describe(plan_problem->limit_hit) : std::string_view{};
+}
+
+void SensorHead::take_samples() noexcept {
+  for (std::size_t round = 0; round < kPositionRounds; ++round) {
+    const std::size_t count = pan_tilt_.take(positions_);
+    assembler_.add(std::span<const hal::AxisSample>(positions_.data(), count));
+    if (count < positions_.size()) {
+      break;
+    }
+  }
+  for (std::size_t round = 0; round < kRangeRounds; ++round) {
+    const std::size_t count = rangefinder_.take(ranges_);
+    assembler_.add(std::span<const hal::RangeSample>(ranges_.data(), count));
+    if (count < ranges_.size()) {
+      break;
+    }
+  }
+}
+
+void SensorHead::act(SchedulerAction action, hal::Stamp now) noexcept {
+  switch (action) {
+    case SchedulerAction::None:
+      return;
+    case SchedulerAction::PassBegun:
+      return begin_pass();
+    case SchedulerAction::LineBegun:
+      return begin_line();
+    case SchedulerAction::LineEnded:
+      return assembler_.end_line(pan_tilt_.axis(hal::Axis::Pan).move, now);
+    case SchedulerAction::PassEnded:
+      return end_pass();
+    case SchedulerAction::PassAborted:
+      return abort_pass();
+  }
+}
+
+void SensorHead::begin_pass() noexcept {
+  if (in_scan()) {
+    scan_ = {};
+    scan_.scan = scans_++;
+    push(ScanBegun{scan_.scan});
+  }
+}
+
+void SensorHead::begin_line() noexcept {
+  const ScanPlan& plan = scheduler_.plan();
+  if (scheduler_.line() == 0) {
+    if (calibration_due_) {
+      calibration_.end_pass();
+      calibration_due_ = false;
+    }
+    const double rate_hz = std::max(1.0, rangefinder_.info().rate_hz);
+    calibration_.begin_pass(plan.pan_min_rad, plan.pan_max_rad, plan.pan_speed_radps / rate_hz);
+  }
+  assembler_.begin_line({scheduler_.line(), pan_tilt_.axis(hal::Axis::Tilt).position_rad,
+                         plan.pan_resolution_rad, plan.tilt_resolution_rad});
+}
+
+void SensorHead::end_pass() noexcept {
+  calibration_due_ = true;
+  if (in_scan()) {
+    scan_.middle = scan_.begin + (scan_.end - scan_.begin) / 2;
+    scan_.lines_rejected = scheduler_.lines_rejected();
+    push(scan_);
+  }
+}
+
+void SensorHead::abort_pass() noexcept {
+  assembler_.abandon();
+  last_abort_ = scheduler_.abort_reason();
+  if (in_scan()) {
+    push(ScanAborted{scan_.scan, scheduler_.abort_reason()});
+  }
+}
+
+void SensorHead::finish_line(hal::Stamp now) noexcept {
+  const Latency& latency = calibration_.latency();
+  const auto line = assembler_.step(now, latency.latency_s, latency.sigma_s);
+  if (!line) {
+    return;
+  }
+  if (!*line) {
+    scheduler_.on_line_rejected();
+    return;
+  }
+  calibration_.add(**line);
+  if (in_scan()) {
+    hand_out(**line);
+  }
+}
+
+void SensorHead::hand_out(const Scanline& line) noexcept {
+  if (scan_.lines++ == 0) {
+    scan_.begin = line.stamps.front();
+  }
+  scan_.end = line.stamps.back();
+  push(line);
+}
+
+void SensorHead::calibrate() noexcept {
+  calibration_.step();
+  if (calibration_due_ && !calibration_.is_busy()) {
+    calibration_.end_pass();
+    calibration_due_ = false;
+  }
+}
+
+void SensorHead::push(const HeadEvent& event) noexcept {
+  if (!events_.try_push(event)) {
+    ++events_dropped_;
+  }
+}
+
+}  // namespace slamsensor::firmware

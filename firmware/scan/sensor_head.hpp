@@ -1,0 +1,111 @@
+#pragma once
+
+#include "firmware/scan/latency_calibration.hpp"
+#include "firmware/scan/scan_assembler.hpp"
+#include "firmware/scan/scan_config.hpp"
+#include "firmware/scan/scan_scheduler.hpp"
+#include "firmware/scan/scanline.hpp"
+#include "hal/pantilt/pan_tilt.hpp"
+#include "hal/rangefinder/rangefinder.hpp"
+#include "hal/ring.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <variant>
+
+namespace slamsensor::firmware {
+
+/// A scan has begun; its scanlines follow.
+struct ScanBegun {
+  std::uint32_t scan = 0;  ///< number, from 0; aborted ones count
+};
+
+/// All scanlines of a scan are out. Times are stamps of its first and last reading.
+struct ScanEnded {
+  std::uint32_t scan = 0;
+  hal::Stamp begin{};
+  hal::Stamp middle{};
+  hal::Stamp end{};
+  std::uint32_t lines = 0;           ///< handed out
+  std::uint32_t lines_rejected = 0;  ///< swept, but not fit to be handed out
+};
+
+/// A scan was given up; what its scanlines showed is to be forgotten.
+struct ScanAborted {
+  std::uint32_t scan = 0;
+  ScanAbort reason = ScanAbort::PanTiltLost;
+};
+
+using HeadEvent = std::variant<ScanBegun, Scanline, ScanEnded, ScanAborted>;
+
+struct SensorHeadConfig {
+  ScanConfig scan;
+  PanFitConfig pan_fit;
+  LatencyConfig latency;
+};
+
+/// A pan-tilt unit and a rangefinder that make scans. The body of the scan thread: whoever steps it supplies
+/// the time, so that the live sensor, an emulated one and a recording run the same code. No clock, no thread;
+/// no allocation after construction.
+class SensorHead {
+ public:
+  /// Both devices outlive this; it steps them.
+  SensorHead(hal::PanTilt& pan_tilt, hal::Rangefinder& rangefinder, const SensorHeadConfig& config);
+
+  /// Steps both drivers, takes their samples, leads the scan on. `now` never decreases; at least every 10 ms.
+  void step(hal::Stamp now) noexcept;
+
+  /// The next thing that happened, in order. Take all after each step: the spans of a Scanline are valid
+  /// until the next step, and of what is left lying the newest is dropped and counted.
+  [[nodiscard]] std::optional<HeadEvent> take() noexcept;
+
+  /// One more scan, in ScanMode::Single.
+  void request_scan() noexcept { scheduler_.request_scan(); }
+
+  /// What keeps it from scanning, for a person; empty when nothing does. Lives as long as the program.
+  [[nodiscard]] std::string_view problem() const noexcept;
+  /// Of the pass under way or the last one.
+  [[nodiscard]] std::optional<ScanAbort> last_abort() const noexcept { return last_abort_; }
+
+  [[nodiscard]] const ScanScheduler& scheduler() const noexcept { return scheduler_; }
+  [[nodiscard]] const ScanAssembler& assembler() const noexcept { return assembler_; }
+  [[nodiscard]] const LatencyCalibration& calibration() const noexcept { return calibration_; }
+  [[nodiscard]] const Latency& latency() const noexcept { return calibration_.latency(); }
+  /// Events that nobody took, since construction.
+  [[nodiscard]] std::uint64_t events_dropped() const noexcept { return events_dropped_; }
+
+ private:
+  static constexpr std::size_t kEventsMax = 8;
+
+  void take_samples() noexcept;
+  void act(SchedulerAction action, hal::Stamp now) noexcept;
+  void begin_pass() noexcept;
+  void begin_line() noexcept;
+  void end_pass() noexcept;
+  void abort_pass() noexcept;
+  void finish_line(hal::Stamp now) noexcept;
+  void hand_out(const Scanline& line) noexcept;
+  void calibrate() noexcept;
+  void push(const HeadEvent& event) noexcept;
+  [[nodiscard]] bool in_scan() const noexcept { return scheduler_.pass() == ScanPass::Scan; }
+
+  hal::PanTilt& pan_tilt_;
+  hal::Rangefinder& rangefinder_;
+  ScanScheduler scheduler_;
+  ScanAssembler assembler_;
+  LatencyCalibration calibration_;
+  bool calibration_due_ = false;  // a pass has ended; its last pair may still be at work
+  ScanEnded scan_;                // under way
+  std::uint32_t scans_ = 0;
+  std::optional<ScanAbort> last_abort_;
+  hal::Ring<HeadEvent, kEventsMax> events_;
+  std::uint64_t events_dropped_ = 0;
+  std::array<hal::RangeSample, 512> ranges_;
+  std::array<hal::AxisSample, 64> positions_;
+};
+
+}  // namespace slamsensor::firmware
