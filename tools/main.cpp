@@ -18,6 +18,7 @@ int run(int argc, char** argv) {
   add_eval(app, result);
   add_simulate(app, result);
   add_demo(app, result);
+  add_emulate(app, result);
   add_edges(app, result);
   add_memory(app, result);
   add_check_config(app, result);

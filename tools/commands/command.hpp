@@ -26,6 +26,7 @@ void add_locate(CLI::App& app, CommandResult& result);
 void add_eval(CLI::App& app, CommandResult& result);
 void add_simulate(CLI::App& app, CommandResult& result);
 void add_demo(CLI::App& app, CommandResult& result);
+void add_emulate(CLI::App& app, CommandResult& result);
 void add_edges(CLI::App& app, CommandResult& result);
 void add_memory(CLI::App& app, CommandResult& result);
 void add_check_config(CLI::App& app, CommandResult& result);

@@ -22,11 +22,6 @@ double line_duration_s(const SweepConfig& sweep) noexcept {
   return static_cast<double>(readings_per_line(sweep)) / sweep.readings_per_second + sweep.line_change_s;
 }
 
-/// x' forward, y' left, z' up, for a head turned by pan and tilt.
-Eigen::Vector3d direction_L(double pan_rad, double cos_tilt, double sin_tilt) noexcept {
-  return {cos_tilt * std::cos(pan_rad), cos_tilt * std::sin(pan_rad), sin_tilt};
-}
-
 bool within(double value, double min, double max) noexcept {
   return value >= min && value <= max;  // false for not-a-number
 }
@@ -102,6 +97,10 @@ SensorPlace sensor_place(const World& world, const SweepConfig& sweep, const cor
   const Eigen::Quaterniond pitch(Eigen::AngleAxisd(sweep.pitch_rad, Eigen::Vector3d::UnitY()));
   const Eigen::Quaterniond roll(Eigen::AngleAxisd(sweep.roll_rad, Eigen::Vector3d::UnitX()));
   return {position_W, (heading * pitch * roll).toRotationMatrix()};
+}
+
+Eigen::Vector3d direction_L(double pan_rad, double cos_tilt, double sin_tilt) noexcept {
+  return {cos_tilt * std::cos(pan_rad), cos_tilt * std::sin(pan_rad), sin_tilt};
 }
 
 std::vector<std::vector<core::Reading>> scan(const World& world, const SweepConfig& sweep,

@@ -66,6 +66,9 @@ struct SensorPlace {
 [[nodiscard]] SensorPlace sensor_place(const World& world, const SweepConfig& sweep,
                                        const core::Pose2& pose_W) noexcept;
 
+/// Where a head turned by pan and tilt looks: unit vector in L (x' forward, y' left, z' up).
+[[nodiscard]] Eigen::Vector3d direction_L(double pan_rad, double cos_tilt, double sin_tilt) noexcept;
+
 /// One scan from `pose_W` that starts at `start_s`: scanlines from the lowest tilt up, each in the order of
 /// the sweep, every reading of the world as it is at the reading's time. Equal arguments give equal readings.
 /// A sweep that `find_problem` refuses gives no scanline.

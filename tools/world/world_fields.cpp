@@ -144,7 +144,7 @@ Section section_of(WallConfig& wall) {
 
 Section section_of(MoverConfig& mover) {
   return {"mover",
-          {{"kind", &mover.kind},
+          {{"kind", choice_of(mover.kind, {"person", "car"})},
            {"x1_m", &mover.x1_m, -kFar_m, kFar_m},
            {"y1_m", &mover.y1_m, -kFar_m, kFar_m},
            {"x2_m", &mover.x2_m, -kFar_m, kFar_m},

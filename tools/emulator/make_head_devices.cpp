@@ -1,0 +1,68 @@
+#include "tools/emulator/make_head_devices.hpp"
+
+#include "tools/emulator/make_ptu.hpp"
+#include "tools/emulator/make_rangefinder.hpp"
+#include "tools/emulator/ptu/emulated_ptu.hpp"
+#include "tools/emulator/scenario.hpp"
+
+#include <string>
+#include <utility>
+
+namespace slamsensor::tools {
+namespace {
+
+// Random streams of the scenario's seed, beside those of EmulatedHead.
+constexpr std::uint64_t kPtuLineStream = 16;
+constexpr std::uint64_t kPtuStream = 17;
+constexpr std::uint64_t kRangefinderLineStream = 18;
+constexpr std::uint64_t kRangefinderStream = 19;
+
+MemoryCanBus& bus_of(HeadDevices& devices) {
+  if (devices.bus == nullptr) {
+    devices.bus = std::make_unique<MemoryCanBus>();
+  }
+  return *devices.bus;
+}
+
+tl::expected<void, WorldError> add_ptu(const Scenario& scenario, HeadDevices& devices) {
+  const PtuProfile& profile = scenario.head.ptu;
+  if (is_on_bus(profile.unit)) {
+    return tl::unexpected(WorldError{"ptu: " + std::string(text_of(profile.unit).title) +
+                                     " cannot be emulated yet; choose another unit"});
+  }
+  devices.ptu_port = std::make_unique<EmulatedPort>(mix_seed(scenario.seed, kPtuLineStream));
+  auto unit = std::make_unique<EmulatedPtu>(ptu_settings_of(profile), *devices.ptu_port,
+                                            mix_seed(scenario.seed, kPtuStream));
+  devices.ptu_port->attach(*unit);
+  devices.pointing = unit.get();
+  devices.ptu = std::move(unit);
+  return {};
+}
+
+void add_rangefinder(const Scenario& scenario, RangeScene& scene, HeadDevices& devices) {
+  const RangefinderProfile& profile = scenario.head.rangefinder;
+  const std::uint64_t seed = mix_seed(scenario.seed, kRangefinderStream);
+  if (is_on_bus(profile.unit)) {
+    FrameSink& node = bus_of(devices).add_device_node();
+    auto device = make_can_rangefinder(profile, node, scene, seed);
+    devices.bus->attach(node, *device);
+    devices.rangefinder = std::move(device);
+    return;
+  }
+  devices.rangefinder_port = std::make_unique<EmulatedPort>(mix_seed(scenario.seed, kRangefinderLineStream));
+  auto device = make_serial_rangefinder(profile, *devices.rangefinder_port, scene, seed);
+  devices.rangefinder_port->attach(*device);
+  devices.rangefinder = std::move(device);
+}
+
+}  // namespace
+
+tl::expected<HeadDevices, WorldError> make_head_devices(const Scenario& scenario, RangeScene& scene) {
+  HeadDevices devices;
+  return add_ptu(scenario, devices).map([&] {
+    add_rangefinder(scenario, scene, devices);
+    return std::move(devices);
+  });
+}
+
+}  // namespace slamsensor::tools

@@ -1,0 +1,113 @@
+#pragma once
+
+#include "tools/emulator/emulated_device.hpp"
+#include "tools/emulator/ptu/ptu_port.hpp"
+#include "tools/emulator/ptu/ptu_settings.hpp"
+#include "tools/emulator/ptu/ptu_unit.hpp"
+#include "tools/emulator/rangefinder/delay_draw.hpp"
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace slamsensor::tools {
+
+/// A Directed Perception / FLIR pan-tilt unit: ASCII commands (PTU-D46 User's Manual 2.14, E-Series Command
+/// Reference), the binary interface, and two stepper axes in exact time. It reads its line byte by byte: each
+/// is echoed when it is read, a delimiter makes it obey, and it reads on when it has answered.
+class EmulatedPtu final : public EmulatedSerialDevice, public PointingTruth {
+ public:
+  /// Begins at `start` as its settings say. `sink` outlives it.
+  EmulatedPtu(const PtuSettings& settings, ByteSink& sink, std::uint64_t seed, Stamp start = Stamp{});
+
+  void advance(Stamp now) override;
+  [[nodiscard]] Stamp next_event() const override;
+
+  /// Knows PowerCycle, Silence, BaudReset and the faults of a unit that is spoken to by command and reply. Of
+  /// an axis to fail it chooses a moving one, else either.
+  bool inject(const Fault& fault) override;
+
+  void receive(std::uint8_t byte, Stamp at) override;
+  [[nodiscard]] std::uint32_t baud() const override { return baud_; }
+
+  [[nodiscard]] HeadAngles angles_at(Stamp at) const override;
+
+  /// Bytes from the host that were lost: unit off, starting, or its input full.
+  [[nodiscard]] std::uint64_t dropped_bytes() const noexcept { return dropped_bytes_; }
+
+  /// How often settings were written into the memory that wears out.
+  [[nodiscard]] std::uint32_t eeprom_writes() const noexcept { return unit_.eeprom_writes; }
+
+ private:
+  // An answer on its way. Until it is given nothing more is read.
+  struct Pending {
+    Stamp due{};
+    PtuAnswer answer{};
+    Stamp latency{};
+    bool has_answered = false;  // what is left is the change of the line rate
+  };
+  // A reset under way.
+  struct ResetRun {
+    Stamp end{};
+    PtuVerdict verdict{};
+    PtuAnswer answer{};
+    PtuStarting input = PtuStarting::Holds;
+    PtuStartReports reports = PtuStartReports::Told;
+  };
+
+  void settle(Stamp now);
+  void step(Stamp now);
+  void process(Stamp now);
+  [[nodiscard]] bool is_reading() const;
+  [[nodiscard]] Stamp pending_due() const;
+  void finish_pending(Stamp now);
+
+  void take(std::uint8_t byte, Stamp now);
+  [[nodiscard]] bool pass_through(std::uint8_t byte);
+  void take_binary(std::uint8_t byte, Stamp now);
+  void take_text(char c, Stamp now);
+  void end_text(char delimiter, Stamp now);
+  void begin_answer(const PtuAnswer& answer, Stamp now);
+  void choose_audience(Stamp now);
+
+  void power_on(Stamp now);
+  void power_off(Stamp now, Stamp until);
+  void greet(Stamp now);
+  void begin_reset(const PtuAxes& axes, ResetRun run, Stamp now);
+  void finish_reset(Stamp now);
+  void begin_monitor(Stamp now);
+  void end_monitor(Stamp now);
+  void report_limit(const PtuLimitHit& hit);
+  void miss_steps(Stamp now);
+  void fail_reset(Stamp now);
+
+  const PtuSettings settings_;
+  ByteSink& sink_;
+  PtuUnit unit_;
+  PtuPort port_;
+  DelayDraw latency_;
+  Random rng_;
+  std::uint32_t baud_;
+
+  std::deque<std::uint8_t> input_;
+  std::string text_;
+  std::vector<std::uint8_t> binary_;
+  bool was_return_ = false;        // the last byte read was a CR
+  bool has_heard_return_ = false;  // the last byte heard was one
+  PtuForm form_ = PtuForm::Ascii;
+  std::optional<Pending> pending_;
+  std::optional<ResetRun> reset_;
+  std::deque<PtuLimitHit> hits_;  // of the reset, to come
+  Stamp late_{};                  // what the next answer is late
+  std::optional<PtuAxisId> jam_;  // in the next reset
+  bool has_power_ = true;
+  bool is_scan_wanted_ = false;  // when the reset has ended
+  Stamp power_at_ = hal::kNever;
+  Stamp greet_at_ = hal::kNever;
+  std::uint64_t dropped_bytes_ = 0;
+};
+
+}  // namespace slamsensor::tools
