@@ -85,6 +85,10 @@ bool PtuDriver::link_ready(Stamp now) noexcept {
 }
 
 void PtuDriver::forget() noexcept {
+  const auto is_home = [](const AxisStatus& axis) { return !axis.moving && axis.position_rad == 0.0; };
+  if (state_ == DeviceState::Ready && !(is_home(pan_.status()) && is_home(tilt_.status()))) {
+    startup_.note_away();
+  }
   pan_.forget();
   tilt_.forget();
   pending_.reset();

@@ -222,7 +222,9 @@ void PtuStartup::on_fact(const PtuAnswer& answer, Stamp now) noexcept {
 void PtuStartup::judge_facts(Stamp now) noexcept {
   const bool possible = take_facts();
   counters_.count(PtuEvent::FactsRefused, possible ? 0 : 1);
-  const bool reset = !reset_done_ && (reset_wanted_ || (!possible && config_.reset != PtuReset::Never));
+  const bool went_home = is_away_ && position(Axis::Pan) == 0 && position(Axis::Tilt) == 0;
+  const bool in_doubt = (went_home || !possible) && config_.reset != PtuReset::Never;
+  const bool reset = !reset_done_ && (reset_wanted_ || in_doubt);
   if (reset && resets_ >= kResetsMax) {
     fault(kResetFailed, now);
   } else if (reset) {
@@ -231,6 +233,7 @@ void PtuStartup::judge_facts(Stamp now) noexcept {
     fault(kImpossible, now);
   } else {
     reset_wanted_ = config_.reset == PtuReset::Always;
+    is_away_ = false;
     enter(Phase::Done, now);
   }
 }

@@ -35,6 +35,10 @@ class PtuStartup {
   /// the configuration allows it.
   void want_reset() noexcept { reset_wanted_ = config_.reset != PtuReset::Never; }
 
+  /// The unit was lost sight of while it was not at home. If it is found there, it has reset itself or was
+  /// switched off meanwhile, and nobody saw whether that went well: it is reset, if the configuration allows.
+  void note_away() noexcept { is_away_ = true; }
+
   enum class Progress : std::uint8_t { Running, Done, Faulted };
 
   /// Goes on; the exchange has been stepped.
@@ -96,6 +100,7 @@ class PtuStartup {
   std::uint32_t reset_marks_ = 0;
   bool reset_wanted_ = false;
   bool reset_done_ = false;
+  bool is_away_ = false;
 };
 
 }  // namespace slamsensor::hal

@@ -48,7 +48,7 @@ void SampleClock::stamp(Stamp latest, std::span<Stamp> into) noexcept {
 }
 
 bool SampleClock::settled() const noexcept {
-  return config_.timing == SampleTiming::AsArrived || (running_ && windows_ >= kWindowsToSettle);
+  return config_.timing == SampleTiming::AsArrived || (running_ && windows_ >= kWindowsToSettle && !is_late_);
 }
 
 void SampleClock::lock(Stamp latest) noexcept {
@@ -72,6 +72,7 @@ void SampleClock::track(double y) noexcept {
     raise(slack);
     slack = 0.0;
   }
+  is_late_ = slack > 2.0 * static_cast<double>(config_.lump.count());
   for (Window* window : {&window_, &bucket_}) {
     if (window->calls++ == 0 || slack <= window->least_slack) {
       window->least_slack = slack;

@@ -43,7 +43,9 @@ class SampleClock {
   /// than `latest`.
   void stamp(Stamp latest, std::span<Stamp> into) noexcept;
 
-  /// Whether enough readings were seen since the last start to know the phase within a lump.
+  /// Whether the stamps just given can be believed: enough readings were seen since the last start to know
+  /// the phase within a lump, and the newest was not later than two lumps. (Later ones may follow a gap that
+  /// is not yet known for one, or have been held up; the next windows tell which.)
   [[nodiscard]] bool settled() const noexcept;
 
   /// Periods without a reading, found from the arrivals alone.
@@ -87,6 +89,7 @@ class SampleClock {
   std::uint64_t missing_ = 0;
   std::uint64_t relocks_ = 0;
   bool ever_ran_ = false;
+  bool is_late_ = false;  // the newest reading, by more than two lumps
 };
 
 }  // namespace slamsensor::hal

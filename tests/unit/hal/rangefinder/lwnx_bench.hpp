@@ -34,13 +34,13 @@ inline std::string word32(std::int32_t value) {
   return word16(value & 0xFFFF) + word16((value >> 16) & 0xFFFF);
 }
 
-/// A LightWare that answers writes with their echo and streams one reading a period.
+/// A LightWare that answers writes with their echo and streams readings.
 struct LightWare {
   std::string name = "LW20";
   int silent_requests = 2;  // after power-up
   std::map<int, std::string> settings;
   std::function<std::string(int)> reading = [](int) { return packet(44, word16(1234) + word16(57)); };
-  int period_ms = 3;
+  double rate_hz = 388.0;  // on average; sent in whole milliseconds
   bool streams = false;
   bool is_dead = false;
   bool lies = false;
@@ -77,7 +77,9 @@ inline void connect(RangeBench& bench, LightWare& device, const LwnxConfig& conf
   bench.driver = std::move(*driver);
   bench.on_request = [&](const std::string& request) { return device.answer(request); };
   bench.on_tick = [&](int tick) {
-    return device.streams && !device.is_dead && tick % device.period_ms == 0 ? device.reading(tick) : "";
+    const auto sent_by = [&](int ms) { return static_cast<int>(ms * device.rate_hz / 1000.0); };
+    const bool is_due = sent_by(tick) != sent_by(tick - 1);
+    return device.streams && !device.is_dead && is_due ? device.reading(tick) : "";
   };
 }
 

@@ -28,7 +28,7 @@ TEST_P(NoReturns, AreNeverADistance) {
   LightWare device;
   device.name = GetParam().product;
   device.reading = [](int) { return packet(44, GetParam().data); };
-  device.period_ms = device.name.rfind("GRF", 0) == 0 ? 200 : 3;
+  device.rate_hz = device.name.rfind("GRF", 0) == 0 ? 5.0 : 388.0;
   connect(bench, device, config_at(device.name.rfind("GRF", 0) == 0 ? 5.0 : 388.0));
   ASSERT_TRUE(bench.run_until_ready(8000)) << bench.driver->problem();
   bench.run(3000);
@@ -55,7 +55,7 @@ TEST(LwnxReadings, GrfTellsDecimetres) {
   RangeBench bench;
   LightWare device;
   device.name = "GRF-500";
-  device.period_ms = 200;
+  device.rate_hz = 5.0;
   device.reading = [](int) { return packet(44, word32(1234) + word32(80)); };
   connect(bench, device, config_at(5.0));
   ASSERT_TRUE(bench.run_until_ready(5000)) << bench.driver->problem();
@@ -70,7 +70,7 @@ TEST(LwnxReadings, MillimetresWhereTheProductHasThem) {
   RangeBench bench;
   LightWare device;
   device.name = "SF45/B";
-  device.period_ms = 1;
+  device.rate_hz = 1000.0;
   device.reading = [](int) { return packet(45, word32(1234) + word32(80)); };
   LwnxConfig config = config_at(1000.0);
   config.mode = LwnxMode::ReadingsMm;
@@ -117,7 +117,7 @@ TEST(LwnxReadings, RawReadingsComeAt20kHz) {
   RangeBench bench;
   bench.device_baud = 921600;
   LightWare device;
-  device.period_ms = 10;
+  device.rate_hz = 100.0;
   device.reading = raw_packet;
   LwnxConfig config;
   config.baud = 921600;
@@ -151,7 +151,7 @@ TEST(LwnxReadings, ReadingsThatNobodyTakesAreDroppedOldestKept) {
   RangeBench bench;
   bench.device_baud = 921600;
   LightWare device;
-  device.period_ms = 10;
+  device.rate_hz = 100.0;
   device.reading = raw_packet;
   LwnxConfig config;
   config.baud = 921600;
@@ -174,7 +174,7 @@ TEST(LwnxReadings, StepsAskTheHeapForNothing) {
   RangeBench bench;
   bench.device_baud = 921600;
   LightWare device;
-  device.period_ms = 10;
+  device.rate_hz = 100.0;
   device.reading = raw_packet;
   LwnxConfig config;
   config.baud = 921600;
