@@ -1,5 +1,6 @@
 #include "tools/emulator/make_head_devices.hpp"
 
+#include "tools/emulator/canopen/emulated_canopen_head.hpp"
 #include "tools/emulator/make_ptu.hpp"
 #include "tools/emulator/make_rangefinder.hpp"
 #include "tools/emulator/ptu/emulated_ptu.hpp"
@@ -24,11 +25,22 @@ MemoryCanBus& bus_of(HeadDevices& devices) {
   return *devices.bus;
 }
 
-tl::expected<void, WorldError> add_ptu(const Scenario& scenario, HeadDevices& devices) {
+void add_canopen_ptu(const Scenario& scenario, HeadDevices& devices) {
+  MemoryCanBus& bus = bus_of(devices);
+  FrameSink& pan = bus.add_device_node();
+  FrameSink& tilt = bus.add_device_node();
+  auto unit = std::make_unique<EmulatedCanopenHead>(canopen_settings_of(scenario.head.ptu), pan, tilt,
+                                                    mix_seed(scenario.seed, kPtuStream));
+  bus.attach(pan, unit->pan());
+  bus.attach(tilt, unit->tilt());
+  devices.pointing = unit.get();
+  devices.ptu = std::move(unit);
+}
+
+void add_ptu(const Scenario& scenario, HeadDevices& devices) {
   const PtuProfile& profile = scenario.head.ptu;
   if (is_on_bus(profile.unit)) {
-    return tl::unexpected(WorldError{"ptu: " + std::string(text_of(profile.unit).title) +
-                                     " cannot be emulated yet; choose another unit"});
+    return add_canopen_ptu(scenario, devices);
   }
   devices.ptu_port = std::make_unique<EmulatedPort>(mix_seed(scenario.seed, kPtuLineStream));
   auto unit = std::make_unique<EmulatedPtu>(ptu_settings_of(profile), *devices.ptu_port,
@@ -36,7 +48,6 @@ tl::expected<void, WorldError> add_ptu(const Scenario& scenario, HeadDevices& de
   devices.ptu_port->attach(*unit);
   devices.pointing = unit.get();
   devices.ptu = std::move(unit);
-  return {};
 }
 
 void add_rangefinder(const Scenario& scenario, RangeScene& scene, HeadDevices& devices) {
@@ -59,10 +70,9 @@ void add_rangefinder(const Scenario& scenario, RangeScene& scene, HeadDevices& d
 
 tl::expected<HeadDevices, WorldError> make_head_devices(const Scenario& scenario, RangeScene& scene) {
   HeadDevices devices;
-  return add_ptu(scenario, devices).map([&] {
-    add_rangefinder(scenario, scene, devices);
-    return std::move(devices);
-  });
+  add_ptu(scenario, devices);
+  add_rangefinder(scenario, scene, devices);
+  return devices;
 }
 
 }  // namespace slamsensor::tools

@@ -46,4 +46,16 @@ PtuSettings ptu_settings_of(const PtuProfile& profile) {
   return settings;
 }
 
+CanopenHeadSettings canopen_settings_of(const PtuProfile& profile) {
+  CanopenHeadSettings settings = canopen_head_settings();
+  for (DriveSettings* const axis : {&settings.pan, &settings.tilt}) {
+    axis->begin = profile.begin;
+    axis->boot_time = hal::from_seconds(profile.boot_s);
+    axis->sdo_latency = {hal::from_seconds(profile.reply_latency_s),
+                         hal::from_seconds(profile.reply_jitter_s)};
+    axis->sync_latch = -hal::from_seconds(profile.position_age_s);
+  }
+  return settings;
+}
+
 }  // namespace slamsensor::tools

@@ -1,0 +1,200 @@
+#include "hal/pantilt/canopen/cia402.hpp"
+#include "tests/support/no_alloc_scope.hpp"
+#include "tests/unit/hal/pantilt/canopen/canopen_bench.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace slamsensor::tests {
+namespace {
+
+using hal::Axis;
+using hal::DeviceState;
+using hal::MoveStatus;
+
+TEST(Canopen, ReadsTheStatesOfADrive) {
+  EXPECT_EQ(hal::drive_state(0x0637), hal::DriveState::OperationEnabled);
+  EXPECT_EQ(hal::drive_state(0x0240), hal::DriveState::SwitchOnDisabled);
+  EXPECT_EQ(hal::drive_state(0x0208), hal::DriveState::Fault);
+  EXPECT_EQ(hal::drive_state(0x0207), hal::DriveState::QuickStop);
+}
+
+TEST(Canopen, SetsUpPdosAndEnablesTheDrive) {
+  CanopenBench bench;
+  bench.run(600);
+  ASSERT_EQ(bench.driver->state(), DeviceState::Ready) << bench.driver->problem();
+  const std::vector<hal::CanFrame> expected{
+      can_frame(0x601, {0x23, 0x00, 0x14, 0x01, 0x01, 0x02, 0x00, 0x80}),
+      can_frame(0x601, {0x2F, 0x00, 0x16, 0x00, 0x00, 0x00, 0x00, 0x00}),
+      can_frame(0x601, {0x23, 0x00, 0x16, 0x01, 0x10, 0x00, 0x40, 0x60}),
+      can_frame(0x601, {0x23, 0x00, 0x16, 0x02, 0x20, 0x00, 0x7A, 0x60}),
+      can_frame(0x601, {0x2F, 0x00, 0x16, 0x00, 0x02, 0x00, 0x00, 0x00}),
+      can_frame(0x601, {0x2F, 0x00, 0x14, 0x02, 0x01, 0x00, 0x00, 0x00}),
+      can_frame(0x601, {0x23, 0x00, 0x14, 0x01, 0x01, 0x02, 0x00, 0x00}),
+      can_frame(0x601, {0x23, 0x00, 0x18, 0x01, 0x81, 0x01, 0x00, 0xC0})};  // bit 30 kept
+  const auto& writes = bench.pan.writes;
+  EXPECT_NE(std::search(writes.begin(), writes.end(), expected.begin(), expected.end()), writes.end());
+  const std::vector<hal::CanFrame> enabling{can_frame(0x601, {0x2B, 0x40, 0x60, 0, 0x06, 0, 0, 0}),
+                                            can_frame(0x601, {0x2B, 0x40, 0x60, 0, 0x07, 0, 0, 0}),
+                                            can_frame(0x601, {0x2B, 0x40, 0x60, 0, 0x0F, 0, 0, 0})};
+  EXPECT_NE(std::search(writes.begin(), writes.end(), enabling.begin(), enabling.end()), writes.end());
+}
+
+TEST(Canopen, MovesByTheSetPointHandshake) {
+  CanopenBench bench;
+  bench.run(600);
+  ASSERT_EQ(bench.driver->move(Axis::Pan, -0.25, 0.1), MoveStatus::Accepted);
+  bench.run(150);
+  const auto sent = bench.of(0x201);
+  ASSERT_GE(sent.size(), 2U);
+  EXPECT_EQ(sent[0], can_frame(0x201, {0x3F, 0x00, 0x58, 0x9E, 0xFF, 0xFF}));
+  EXPECT_EQ(sent[1], can_frame(0x201, {0x0F, 0x00, 0x58, 0x9E, 0xFF, 0xFF}));
+  EXPECT_TRUE(bench.driver->axis(Axis::Pan).moving);
+  bench.pan.objects[0x606400] = -25000;
+  bench.run(100);
+  EXPECT_FALSE(bench.driver->axis(Axis::Pan).moving);
+  EXPECT_NEAR(bench.driver->axis(Axis::Pan).position_rad, -0.25, 1e-9);
+  std::array<hal::AxisSample, 64> samples{};
+  EXPECT_GT(bench.driver->take(samples), 2U);
+}
+
+TEST(Canopen, FallsBackToSdoWhenNothingCanBeMapped) {
+  CanopenBench bench;
+  bench.pan.refused = 0x160000;
+  bench.tilt.refused = 0x1A0000;
+  bench.run(900);
+  ASSERT_EQ(bench.driver->state(), DeviceState::Ready) << bench.driver->problem();
+  ASSERT_EQ(bench.driver->move(Axis::Pan, 0.1, 0.1), MoveStatus::Accepted);
+  ASSERT_EQ(bench.driver->move(Axis::Tilt, 0.1, 0.1), MoveStatus::Accepted);
+  bench.run(300);
+  EXPECT_TRUE(bench.driver->axis(Axis::Pan).moving);
+  EXPECT_TRUE(bench.driver->axis(Axis::Tilt).moving);
+  EXPECT_EQ(bench.counter("mappings_fixed"), 2U);
+}
+
+TEST(Canopen, NamesWhatWasLostAndStartsOver) {
+  CanopenBench bench;
+  bench.run(600);
+  bench.link.deliver(can_frame(0x082, {0x10, 0x23, 0x02, 0, 0, 0, 0, 0}));
+  bench.run(1);
+  EXPECT_EQ(bench.driver->state(), DeviceState::Faulted);
+  EXPECT_NE(bench.driver->problem().find("tilt axis: reports a current error"), std::string_view::npos);
+  bench.run(1500);
+  ASSERT_EQ(bench.driver->state(), DeviceState::Ready);
+  bench.link.deliver(can_frame(0x701, {0x00}));
+  bench.run(1);
+  EXPECT_EQ(bench.driver->problem(), "CANopen pan axis: started anew by itself; check its power");
+  bench.run(1500);
+  ASSERT_EQ(bench.driver->state(), DeviceState::Ready);
+  bench.pan.silent = true;
+  bench.run(500);
+  EXPECT_EQ(bench.driver->problem(), "CANopen pan axis: heartbeat lost; check power and cable");
+  bench.pan.silent = false;
+  bench.run(6000);
+  EXPECT_EQ(bench.driver->state(), DeviceState::Ready);
+}
+
+TEST(Canopen, CountsFramesOfAWrongLength) {
+  CanopenBench bench;
+  bench.run(600);
+  bench.link.deliver(can_frame(0x181, {0x27, 0x06}));
+  bench.link.deliver(can_frame(0x702, {}));
+  bench.link.deliver(can_frame(0x081, {1}));
+  bench.run(1);
+  EXPECT_EQ(bench.counter("frames_malformed"), 3U);
+  EXPECT_EQ(bench.driver->state(), DeviceState::Ready);
+}
+
+TEST(Canopen, SweepsBySpeedAndEndsByASetPoint) {
+  hal::CanopenConfig config = CanopenBench::defaults();
+  config.motion = hal::CanopenMotion::ProfileVelocity;
+  CanopenBench bench(config);
+  bench.run(600);
+  ASSERT_EQ(bench.driver->move(Axis::Pan, -0.25, 0.1), MoveStatus::Accepted);
+  bench.run(100);
+  EXPECT_EQ(bench.pan.objects[0x606000], 3);
+  EXPECT_EQ(bench.of(0x601).at(bench.of(0x601).size() - 3),
+            can_frame(0x601, {0x23, 0xFF, 0x60, 0, 0xF0, 0xD8, 0xFF, 0xFF}));
+  EXPECT_TRUE(bench.of(0x201).empty());
+  bench.pan.objects[0x606400] = -24500;
+  bench.run(100);
+  EXPECT_EQ(bench.pan.objects[0x606000], 1);
+  ASSERT_FALSE(bench.of(0x201).empty());
+  EXPECT_EQ(bench.of(0x201)[0], can_frame(0x201, {0x3F, 0x00, 0x58, 0x9E, 0xFF, 0xFF}));
+}
+
+TEST(Canopen, HaltsBothAxes) {
+  CanopenBench bench;
+  bench.run(600);
+  ASSERT_EQ(bench.driver->move(Axis::Pan, -0.25, 0.1), MoveStatus::Accepted);
+  bench.run(100);
+  ASSERT_EQ(bench.driver->halt(), MoveStatus::Accepted);
+  bench.run(100);
+  EXPECT_EQ(bench.of(0x201).back(), can_frame(0x201, {0x0F, 0x01, 0x58, 0x9E, 0xFF, 0xFF}));
+  EXPECT_EQ(bench.of(0x202).back().data[1], 0x01);
+  EXPECT_FALSE(bench.driver->axis(Axis::Pan).moving);
+}
+
+TEST(Canopen, HomesWhenToldTo) {
+  hal::CanopenConfig config = CanopenBench::defaults();
+  config.homing = hal::CanopenHoming::Always;
+  CanopenBench bench(config);
+  bench.run(1500);
+  ASSERT_EQ(bench.driver->state(), DeviceState::Ready) << bench.driver->problem();
+  const auto& writes = bench.pan.writes;
+  const std::vector<hal::CanFrame> homing{can_frame(0x601, {0x2F, 0x60, 0x60, 0, 6, 0, 0, 0}),
+                                          can_frame(0x601, {0x2F, 0x98, 0x60, 0, 37, 0, 0, 0}),
+                                          can_frame(0x601, {0x2B, 0x40, 0x60, 0, 0x1F, 0, 0, 0}),
+                                          can_frame(0x601, {0x2B, 0x40, 0x60, 0, 0x0F, 0, 0, 0}),
+                                          can_frame(0x601, {0x2F, 0x60, 0x60, 0, 1, 0, 0, 0})};
+  EXPECT_NE(std::search(writes.begin(), writes.end(), homing.begin(), homing.end()), writes.end());
+}
+
+TEST(Canopen, RefusesWhatIsNoDriveAndResetsAFault) {
+  CanopenBench bench;
+  bench.pan.objects[0x100000] = 0x191;
+  bench.tilt.objects[0x604100] = 0x0208;
+  bench.run(600);
+  EXPECT_EQ(bench.driver->state(), DeviceState::Faulted);
+  EXPECT_NE(bench.driver->problem().find("not a CiA 402 drive"), std::string_view::npos);
+  const auto& writes = bench.tilt.writes;
+  const auto reset = can_frame(0x602, {0x2B, 0x40, 0x60, 0, 0x80, 0, 0, 0});
+  EXPECT_NE(std::find(writes.begin(), writes.end(), reset), writes.end());
+  bench.pan.objects[0x100000] = 0x20192;
+  bench.run(6000);
+  EXPECT_EQ(bench.driver->state(), DeviceState::Ready);
+  bench.link.set_up(false);
+  bench.run(1);
+  EXPECT_EQ(bench.driver->state(), DeviceState::Absent);
+  bench.link.set_up(true);
+  bench.run(1000);
+  EXPECT_EQ(bench.driver->state(), DeviceState::Ready);
+}
+
+TEST(Canopen, RefusesTwoAxesOnOneNode) {
+  hal::CanopenConfig config;
+  config.tilt.node = 1;
+  ScriptedCanLink link;
+  EXPECT_FALSE(hal::CanopenPanTilt::create(config, link));
+}
+
+TEST(Canopen, AsksTheHeapForNothingInAStep) {
+  if (!NoAllocScope::works()) {
+    GTEST_SKIP() << "the heap cannot be watched under a sanitizer";
+  }
+  CanopenBench bench;
+  bench.run(600);
+  ASSERT_EQ(bench.driver->move(Axis::Pan, -0.25, 0.1), MoveStatus::Accepted);
+  std::uint64_t calls = 0;
+  for (int i = 0; i < 500; ++i) {
+    bench.run(1);
+    const NoAllocScope scope;
+    bench.driver->step(bench.now);
+    calls += scope.heap_calls();
+  }
+  EXPECT_EQ(calls, 0U);
+}
+
+}  // namespace
+}  // namespace slamsensor::tests
