@@ -113,6 +113,21 @@ TEST_P(ByteExperiments, FixAsReadingsFromTheWorldDo) {
   EXPECT_LT(worst.rms_rad * kMilliDegrees, 15.0) << "seed " << seed;
 }
 
+TEST(CanHead, ScansAsTheSerialOneDoes) {
+  Scenario scenario = paper_scenario(6001);
+  scenario.drive.stands = 1;
+  scenario.head.ptu.unit = PanTiltModel::CanOpen;
+  scenario.head.rangefinder.unit = RangefinderModel::Tf03Can;
+  auto drive = ByteDrive::create(scenario, head_config(3));
+  ASSERT_TRUE(drive) << drive.error().message;
+  const auto driven = (*drive)->next_scan(600.0);
+  ASSERT_TRUE(driven) << (*drive)->sensor().problem();
+  EXPECT_EQ(driven->scanlines.size(), 26U);
+  EXPECT_EQ(driven->ended.lines_rejected, 0U);
+  // Ramps are swept too; there the pan is less sure than at constant speed.
+  EXPECT_LT(driven->pan.rms_rad * kMilliDegrees, 20.0);
+}
+
 INSTANTIATE_TEST_SUITE_P(Paper, ByteExperiments, testing::Values(1, 2, 3, 4));
 
 struct LatencyCase {

@@ -1,11 +1,11 @@
 #include "tools/drive/head_drivers.hpp"
 
+#include "hal/pantilt/canopen/canopen_pan_tilt.hpp"
 #include "hal/pantilt/ptu_driver.hpp"
 #include "hal/rangefinder/benewake_config.hpp"
 #include "hal/rangefinder/lwnx_driver.hpp"
 #include "hal/rangefinder/point_laser.hpp"
 
-#include <string>
 #include <utility>
 
 namespace slamsensor::tools {
@@ -14,9 +14,18 @@ namespace {
 using MadePanTilt = tl::expected<std::unique_ptr<hal::PanTilt>, hal::InitError>;
 using MadeRangefinder = tl::expected<std::unique_ptr<hal::Rangefinder>, hal::InitError>;
 
+hal::CanopenConfig canopen_config() {
+  hal::CanopenConfig config;
+  for (hal::CanopenAxisConfig* const axis : {&config.pan, &config.tilt}) {
+    axis->scale = hal::CanopenScale::FromDrive;
+    axis->speed_max_radps = 5.0;
+  }
+  return config;
+}
+
 MadePanTilt make_pan_tilt(const PtuProfile& profile, InProcessHead& head) {
-  if (head.ptu_bytes() == nullptr) {
-    return tl::unexpected(hal::InitError{std::string(text_of(profile.unit).title) + ": has no serial line"});
+  if (is_on_bus(profile.unit)) {
+    return hal::CanopenPanTilt::create(canopen_config(), *head.ptu_can());
   }
   return hal::PtuDriver::create(hal::PtuConfig{}, *head.ptu_bytes());
 }
