@@ -4,6 +4,7 @@ namespace slamsensor::hal {
 namespace {
 
 constexpr unsigned kDigitsMax = 12;
+constexpr std::int64_t kNumberMax = 1'000'000'000'000'000;  // whole and fraction share one number
 constexpr unsigned kHexDigitsMax = 8;
 
 bool is_digit(char c) noexcept {
@@ -13,7 +14,7 @@ bool is_digit(char c) noexcept {
 /// Takes the digits at the front of `text` into `number`; how many.
 unsigned take_digits(std::string_view& text, std::int64_t& number) noexcept {
   unsigned count = 0;
-  while (!text.empty() && is_digit(text.front()) && count <= kDigitsMax) {
+  while (!text.empty() && is_digit(text.front()) && count <= kDigitsMax && number < kNumberMax) {
     number = number * 10 + (text.front() - '0');
     text.remove_prefix(1);
     ++count;

@@ -46,7 +46,38 @@ def pcd_seeds():
     }
 
 
+def wire(text):
+    return bytes.fromhex(text)
+
+
 SEEDS = {
+    "lwnx": {
+        "reading": wire("AA40012CD2043900E02A" * 3),
+        "raw": wire("AA00022803D204D304FFFF580E"),
+        "name": wire("AA4004004C573230") + bytes(12) + wire("1CCC"),
+    },
+    "benewake": {
+        "readings": wire("5959D204B00400003C" * 3),
+        "over_range": wire("595950460C00000054" * 2),
+        "reply": wire("5A050200615A0603E8034E"),
+    },
+    "point_laser": {
+        "ascii": b"\x00" + b"00012.345\r\n" * 3 + b"DE02\r\n",
+        "free": b"\x01" + b"12.3\r\n99.9\r\n",
+        "hex": b"\x02" + b"00001384\r\n" * 3,
+        "packed": b"\x03" + wire("895289528952"),
+        "pair": b"\x04" + wire("04D204D204D2"),
+    },
+    "ptu_reply": {
+        "terse": b"* 22\r\n* -2500\r\n!P!T* 185.1428\r\n",
+        "verbose": b"PP * Current Pan position is 22\r\n! Illegal argument\r\n",
+        "banner": b"\r\n### PAN-TILT CONTROLLER\r\nInitializing...*\r\n!T!T!P!P*\r\n",
+    },
+    "sdo_reply": {
+        "value": wire("084364600040E20100"),
+        "abort": wire("088064600000000206"),
+        "segment": wire("0801505455 343600".replace(" ", "")),
+    },
     "pcd": pcd_seeds(),
     "readings_csv": {
         "plain": b"pan_deg,tilt_deg,range_m\n0,0,5\n0.5,0,\n0,1,7.25\n",

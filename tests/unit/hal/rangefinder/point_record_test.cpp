@@ -281,5 +281,14 @@ TEST(PointRecords, NoiseNeverLeavesTheRules) {
   }
 }
 
+// A number whose whole part and fraction were short enough each, but not together (found by fuzzing).
+TEST(PointRecord, ManyDigitsAreNoNumber) {
+  AsciiNumber number;
+  EXPECT_FALSE(read_decimal("412494122.0088888888888", '\0', number));
+  EXPECT_FALSE(read_decimal("412494122008.8888888888888", '\0', number));
+  EXPECT_TRUE(read_decimal("412494122.008", '\0', number));
+  EXPECT_EQ(number.number, 412494122008);
+}
+
 }  // namespace
 }  // namespace slamsensor::hal
