@@ -15,7 +15,6 @@ constexpr std::string_view kResetFailed =
 
 constexpr std::uint32_t kSettlesMax = 5;  // a unit may not know how to be silent or terse
 constexpr std::uint32_t kResetsMax = 2;
-constexpr std::uint32_t kResetMarksMin = 2;  // stops met by a reset whose last reply was lost
 constexpr Stamp kRestPoll = std::chrono::milliseconds(100);
 constexpr Stamp kLimitsQuiet = std::chrono::seconds(1);
 
@@ -113,7 +112,6 @@ void PtuStartup::heed(const PtuExchange::Notices& notices, Stamp now) noexcept {
   finder_.heed(notices, now);
   if (notices.marks > 0) {
     limit_ = now;
-    reset_marks_ += notices.marks;
     rest_.disturb();
   }
   if (notices.banner) {
@@ -133,7 +131,6 @@ void PtuStartup::send_next(Stamp now) noexcept {
   Stamp timeout = command->expect() == PtuExpect::Setting ? config_.mode_timeout : config_.query_timeout;
   timeout = phase_ == Phase::Reset ? config_.reset_timeout : timeout;
   if (exchange_.send(*command, timeout, now) && phase_ == Phase::Reset) {
-    reset_marks_ = 0;
     ++resets_;
   }
 }
@@ -254,8 +251,8 @@ bool PtuStartup::take_facts() noexcept {
 }
 
 void PtuStartup::on_reset(const PtuAnswer& answer, Stamp now) noexcept {
-  reset_done_ = answer.outcome == PtuOutcome::Done ||
-                (answer.outcome == PtuOutcome::Failed && reset_marks_ >= kResetMarksMin);
+  // Limit reports without the final `*` may be those of a reset that failed: only the whole answer counts.
+  reset_done_ = answer.outcome == PtuOutcome::Done;
   counters_.count(PtuEvent::ResetsFailed, reset_done_ ? 0 : 1);
   settle_again(now);
 }

@@ -97,7 +97,6 @@ class PtuStartup {
   std::optional<Stamp> limit_;  // last limit report
   std::uint32_t resets_ = 0;
   std::uint32_t settled_again_ = 0;
-  std::uint32_t reset_marks_ = 0;
   bool reset_wanted_ = false;
   bool reset_done_ = false;
   bool is_away_ = false;
