@@ -1,0 +1,118 @@
+#pragma once
+
+#include "core/fix.hpp"
+#include "hal/counters.hpp"
+#include "hal/device.hpp"
+#include "hal/fixed_text.hpp"
+#include "hal/stamp.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace slamsensor::firmware {
+
+/// The one word for how the sensor stands. Each has one entry reason; NMEA is valid in Fixed alone.
+enum class SensorState : std::uint8_t {
+  Starting,   ///< the devices have not all answered since start
+  Scanning,   ///< they work; no scan has been localised yet
+  Fixed,      ///< the last scan gave a fix, and it is not stale
+  Ambiguous,  ///< the last scan fits more than one place
+  Lost,       ///< the last scan gave no fix, or is stale
+  Held,       ///< scanning is not allowed: interlock open, or paused on command
+  Faulted,    ///< a device that has worked does not
+};
+inline constexpr std::array<std::string_view, 7> kSensorStateNames = {
+    "starting", "scanning", "fixed", "ambiguous", "lost", "held", "faulted"};
+
+/// Counters of one station, copied at one moment.
+inline constexpr std::size_t kStatusCountersMax = 48;
+struct CounterTable {
+  std::array<hal::Counter, kStatusCountersMax> counters{};
+  std::size_t size = 0;
+
+  [[nodiscard]] std::span<const hal::Counter> all() const noexcept { return {counters.data(), size}; }
+  /// Appends; what does not fit is left out.
+  void append(std::span<const hal::Counter> more) noexcept {
+    for (const hal::Counter& counter : more) {
+      if (size < counters.size()) {
+        counters[size++] = counter;
+      }
+    }
+  }
+};
+
+struct DeviceStatus {
+  hal::DeviceState state = hal::DeviceState::Absent;
+  std::string_view problem;      ///< of the driver; lives as long as the program
+  hal::FixedText<80> model;      ///< as the device said; empty before it did
+  std::uint32_t recoveries = 0;  ///< times it got Ready again after it had been
+  hal::Stamp last_recovery{};    ///< how long the last of them took, from the loss
+  CounterTable counters;
+};
+
+/// How the scan thread stands. Made by it, handed over as a value.
+struct HeadStatus {
+  hal::Stamp stamp{};
+  DeviceStatus pan_tilt;
+  DeviceStatus rangefinder;
+  std::string_view phase = "waiting";  ///< waiting, calibrating, scanning
+  std::string_view problem;            ///< what keeps it from scanning; empty when nothing does
+  bool held = false;                   ///< interlock open or paused on command
+  std::uint32_t scan = 0;              ///< number of the scan under way or next
+  std::uint32_t line = 0;              ///< of it
+  std::uint32_t lines = 0;             ///< in all
+  double pan_rad = 0.0;
+  double tilt_rad = 0.0;
+  double latency_s = 0.0;
+  double latency_sigma_s = 0.0;
+  double readings_hz = 0.0;  ///< over the last second
+  std::uint64_t readings = 0;
+  CounterTable counters;          ///< of scheduler, assembler, thread (drops, slips, misses)
+  hal::Stamp wake_latency_max{};  ///< worst lateness of the thread's wake-up since start
+};
+
+/// How the SLAM thread stands.
+struct SlamStatus {
+  std::uint32_t scans = 0;  ///< processed since start
+  std::uint32_t fixes = 0;
+  std::uint32_t landmarks = 0;  ///< in the best hypothesis' map
+  std::uint32_t hypotheses = 0;
+  std::uint64_t map_revision = 0;  ///< grows whenever the best map changes
+  bool frozen = false;
+  hal::Stamp process_last{};  ///< time from the end of the scan to its fix
+  hal::Stamp process_max{};
+  CounterTable counters;
+};
+
+/// Where the readings come from.
+enum class SourceMode : std::uint8_t { Live, Emulated };
+
+/// The fix with what the daemon adds to it: everything that outputs write comes from here.
+struct FixReport {
+  core::Fix fix;
+  SourceMode source = SourceMode::Live;
+  hal::Stamp monotonic{};                       ///< when this report was made
+  hal::Stamp uptime{};                          ///< of the daemon
+  std::optional<hal::Stamp> time_to_first_fix;  ///< from the daemon's start
+  std::uint64_t initialization = 0;             ///< differs from start to start
+};
+
+/// Everything about the sensor at one moment: of status, ctl, top, LCM.
+struct SensorStatus {
+  SensorState state = SensorState::Starting;
+  FixReport report;
+  HeadStatus head;
+  SlamStatus slam;
+  CounterTable outputs;  ///< of NMEA, LCM, store, control
+  hal::FixedText<64> map_name;
+  hal::Stamp map_saved_ago{};  ///< since the last save; hal::kNever before the first
+  bool map_unsaved = false;
+  bool realtime = false;  ///< SCHED_FIFO and locked memory are in force
+  bool recording = false;
+};
+
+}  // namespace slamsensor::firmware
