@@ -96,8 +96,8 @@ void RangeDriver::deliver(std::span<const Measurement> block, Stamp latest, Stam
 
 SerialRangeDriver::SerialRangeDriver(ByteLink& link, const LineRates& rates,
                                      const RangeConfig& config) noexcept
-    : RangeDriver(std::make_unique<SerialLine>(link, rates), config),
-      serial_(static_cast<SerialLine&>(*line_)) {
+    : RangeDriver(std::make_unique<SerialDeviceLine>(link, rates), config),
+      serial_(static_cast<SerialDeviceLine&>(*line_)) {
 }
 
 void SerialRangeDriver::receive(Stamp now) noexcept {

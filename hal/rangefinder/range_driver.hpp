@@ -4,7 +4,7 @@
 #include "hal/rangefinder/dialogue.hpp"
 #include "hal/rangefinder/range_counters.hpp"
 #include "hal/rangefinder/rangefinder.hpp"
-#include "hal/rangefinder/serial_line.hpp"
+#include "hal/rangefinder/serial_device_line.hpp"
 #include "hal/ring.hpp"
 #include "hal/timing/sample_clock.hpp"
 
@@ -97,7 +97,7 @@ class SerialRangeDriver : public RangeDriver {
   void deliver_record(std::span<const Measurement> block, std::uint64_t begin, std::uint64_t end,
                       Stamp now) noexcept;
 
-  SerialLine& serial_;
+  SerialDeviceLine& serial_;
 
  private:
   std::uint64_t last_end_ = 0;  ///< of the last record delivered; 0: none since the clock started

@@ -17,9 +17,9 @@ using LineRates = std::array<std::uint32_t, 9>;
 [[nodiscard]] LineRates rates_from(std::uint32_t first, std::span<const std::uint32_t> others) noexcept;
 
 /// A serial line whose device may be at another rate than expected, and which knows when bytes arrived.
-class SerialLine final : public DeviceLine {
+class SerialDeviceLine final : public DeviceLine {
  public:
-  SerialLine(ByteLink& link, const LineRates& rates) noexcept;
+  SerialDeviceLine(ByteLink& link, const LineRates& rates) noexcept;
 
   void service(Stamp now) noexcept override;
   [[nodiscard]] bool is_up() const noexcept override { return link_.is_up(); }

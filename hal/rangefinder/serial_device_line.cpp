@@ -1,4 +1,4 @@
-#include "hal/rangefinder/serial_line.hpp"
+#include "hal/rangefinder/serial_device_line.hpp"
 
 #include <algorithm>
 
@@ -15,17 +15,18 @@ LineRates rates_from(std::uint32_t first, std::span<const std::uint32_t> others)
   return rates;
 }
 
-SerialLine::SerialLine(ByteLink& link, const LineRates& rates) noexcept : link_(link), rates_(rates) {
+SerialDeviceLine::SerialDeviceLine(ByteLink& link, const LineRates& rates) noexcept
+    : link_(link), rates_(rates) {
 }
 
-void SerialLine::service(Stamp now) noexcept {
+void SerialDeviceLine::service(Stamp now) noexcept {
   link_.service(now);
   if (link_.baud() != baud()) {
     apply_rate();
   }
 }
 
-void SerialLine::next_rate() noexcept {
+void SerialDeviceLine::next_rate() noexcept {
   rate_ = (rate_ + 1) % rates_.size();
   if (rates_[rate_] == 0) {
     rate_ = 0;
@@ -33,7 +34,7 @@ void SerialLine::next_rate() noexcept {
   apply_rate();
 }
 
-void SerialLine::set_baud(std::uint32_t baud) noexcept {
+void SerialDeviceLine::set_baud(std::uint32_t baud) noexcept {
   const auto known = std::find(rates_.begin(), rates_.end(), baud);
   if (known != rates_.end()) {
     rate_ = static_cast<std::size_t>(known - rates_.begin());
@@ -44,13 +45,13 @@ void SerialLine::set_baud(std::uint32_t baud) noexcept {
   apply_rate();
 }
 
-void SerialLine::apply_rate() noexcept {
+void SerialDeviceLine::apply_rate() noexcept {
   // Down: the link uses the rate when it comes back, or cannot and no reply will say so.
   (void)link_.set_baud(baud());
   link_.discard_input();
 }
 
-std::span<const std::uint8_t> SerialLine::read() noexcept {
+std::span<const std::uint8_t> SerialDeviceLine::read() noexcept {
   if (read_in_step_ >= kBytesPerStep) {
     return {};
   }
