@@ -29,6 +29,7 @@ enum class FixReason : std::uint8_t {
   Deadline,         ///< the search was cut before anything believable was found
   Stale,            ///< no scan came in time
   Device,           ///< the sensor head is not working
+  Moved,            ///< the carrier moved since or during the scan: where it was is no more where it is
 };
 
 /// How the search for the pose ended.

@@ -36,6 +36,8 @@ namespace slamsensor::core {
       return "stale";
     case FixReason::Device:
       return "device";
+    case FixReason::Moved:
+      return "moved";
   }
   return "unknown";
 }

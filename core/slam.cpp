@@ -11,7 +11,8 @@ void Slam::add_scanline(std::span<const Reading> scanline) noexcept {
 }
 
 Fix Slam::finish_scan(const ScanTime& time, const Deadline& deadline) noexcept {
-  return process(detector_.finish(), time, deadline);
+  scan_landmarks_ = detector_.finish();
+  return process(scan_landmarks_, time, deadline);
 }
 
 Fix Slam::process(std::span<const ScanLandmark> landmarks, const ScanTime& time,

@@ -27,19 +27,39 @@ class Slam {
   /// a new scan.
   [[nodiscard]] Fix finish_scan(const ScanTime& time, const Deadline& deadline) noexcept;
 
-  /// The same for a scan whose landmarks were found elsewhere, heaviest first.
+  /// Forgets the scanlines since the last scan: that scan was given up.
+  void drop_scan() noexcept {
+    static_cast<void>(detector_.finish());
+    scan_landmarks_ = {};
+  }
+
+  /// The same as finish_scan for a scan whose landmarks were found elsewhere, heaviest first.
   [[nodiscard]] Fix process(std::span<const ScanLandmark> landmarks, const ScanTime& time,
                             const Deadline& deadline) noexcept;
+
+  /// The landmarks of the last finish_scan, heaviest first; valid until the next one.
+  [[nodiscard]] std::span<const ScanLandmark> scan_landmarks() const noexcept { return scan_landmarks_; }
 
   [[nodiscard]] const LandmarkDetector& detector() const noexcept { return detector_; }
   [[nodiscard]] const HypothesisSet& hypotheses() const noexcept { return hypotheses_; }
 
-  /// Forgets maps and paths; the next scan starts a new map.
+  /// Forgets maps and paths; the next scan starts a new map, unless frozen.
   void reset() noexcept { hypotheses_.reset(); }
+
+  /// Goes on from a map that was kept (HypothesisSet::restore): the next scan finds itself in it. Refused,
+  /// with its flaw, and nothing changed, when it is none that this configuration could have made.
+  [[nodiscard]] MapCheck restore(const MapState& state) noexcept { return hypotheses_.restore(state); }
+
+  /// Goes on with the best hypothesis alone (HypothesisSet::drop_rivals).
+  void drop_rivals() noexcept { hypotheses_.drop_rivals(); }
+
+  /// Localise only, or map too (HypothesisSet::set_frozen).
+  void set_frozen(Frozen frozen) noexcept { hypotheses_.set_frozen(frozen); }
 
  private:
   LandmarkDetector detector_;
   HypothesisSet hypotheses_;
+  std::span<const ScanLandmark> scan_landmarks_;
 };
 
 /// The memory that Slam takes with `config`, line by line; `bytes` receives the size of the block to give it.

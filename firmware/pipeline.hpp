@@ -31,6 +31,7 @@ class Pipeline {
     return slam_->process(landmarks, time, deadline);
   }
 
+  [[nodiscard]] core::Slam& slam() { return *slam_.operator->(); }
   [[nodiscard]] const core::Slam& slam() const { return *slam_; }
 
  private:

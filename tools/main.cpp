@@ -19,6 +19,10 @@ int run(int argc, char** argv) {
   add_simulate(app, result);
   add_demo(app, result);
   add_emulate(app, result);
+  add_record(app, result);
+  add_top(app, result);
+  add_map(app, result);
+  add_ctl(app, result);
   add_edges(app, result);
   add_memory(app, result);
   add_check_config(app, result);

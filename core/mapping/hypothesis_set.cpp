@@ -18,9 +18,35 @@ HypothesisSet::HypothesisSet(Arena& arena, const Config& config) noexcept
 }
 
 void HypothesisSet::reset() noexcept {
+  revision_ += kept_.empty() ? 0 : 1;
   kept_.clear();
   scans_ = 0;
   jumps_ = 0;
+}
+
+void HypothesisSet::drop_rivals() noexcept {
+  if (!kept_.empty()) {
+    const std::uint32_t best = kept_[0];
+    kept_.clear();
+    SLAMSENSOR_ASSERT(kept_.try_push_back(best));
+  }
+}
+
+MapCheck HypothesisSet::restore(const MapState& state) noexcept {
+  const MapCheck check = check_map(state, config_.capacities);
+  if (check.ok()) {
+    jumps_ += kept_.empty() ? 0 : 1;
+    kept_.clear();
+    builder_.restore(state, *pool_[0]);
+    SLAMSENSOR_ASSERT(kept_.try_push_back(0));
+    scans_ = state.scans;
+    ++revision_;
+  }
+  return check;
+}
+
+MapState HypothesisSet::state() const noexcept {
+  return kept_.empty() ? MapState{} : state_of(best(), scans_);
 }
 
 void HypothesisSet::take_landmarks(std::span<const ScanLandmark> landmarks) noexcept {
@@ -44,17 +70,9 @@ Fix HypothesisSet::process(std::span<const ScanLandmark> landmarks, const Deadli
   if (scan_B_.size() < std::max(3U, config_.association.landmarks_min)) {
     fix.reason = FixReason::TooFewLandmarks;
   } else if (kept_.empty()) {
-    builder_.start(scan_B_.span(), fix.scan, *pool_[0]);
-    SLAMSENSOR_ASSERT(kept_.try_push_back(0));
-    fix.status = FixStatus::Fix;
-    fix.reason = FixReason::None;
-    fix.search_end = SearchEnd::Complete;
+    start(fix);
   } else {
-    associate_all(deadline);
-    const Generation generation = spawn();
-    report(generation[0], fix);
-    replace(generation);
-    fix.jumps = jumps_;
+    localise(deadline, fix);
   }
   if (!kept_.empty()) {
     fix.landmarks_in_map = best().map.size();
@@ -64,9 +82,33 @@ Fix HypothesisSet::process(std::span<const ScanLandmark> landmarks, const Deadli
   return fix;
 }
 
-void HypothesisSet::associate_all(const Deadline& deadline) noexcept {
-  SLAMSENSOR_ASSERT(litters_.try_resize(kept_.size()));
-  for (std::size_t h = 0; h < kept_.size(); ++h) {
+void HypothesisSet::start(Fix& fix) noexcept {
+  if (frozen_ == Frozen::Yes) {
+    fix.reason = FixReason::NoOverlap;
+    return;
+  }
+  builder_.start(scan_B_.span(), fix.scan, *pool_[0]);
+  SLAMSENSOR_ASSERT(kept_.try_push_back(0));
+  ++revision_;
+  fix.status = FixStatus::Fix;
+  fix.reason = FixReason::None;
+  fix.search_end = SearchEnd::Complete;
+}
+
+void HypothesisSet::localise(const Deadline& deadline, Fix& fix) noexcept {
+  const bool is_frozen = frozen_ == Frozen::Yes;
+  associate_first(is_frozen ? 1 : kept_.size(), deadline);
+  const Generation generation = spawn();
+  report(generation[0], fix);
+  if (!is_frozen) {
+    replace(generation);
+    fix.jumps = jumps_;
+  }
+}
+
+void HypothesisSet::associate_first(std::size_t hypotheses, const Deadline& deadline) noexcept {
+  SLAMSENSOR_ASSERT(litters_.try_resize(hypotheses));
+  for (std::size_t h = 0; h < hypotheses; ++h) {
     Litter& litter = litters_[h];
     litter.verdict =
         associate(scan_B_.span(), pool_[kept_[h]]->map.view(), config_, deadline, search_, litter.found);
@@ -75,9 +117,9 @@ void HypothesisSet::associate_all(const Deadline& deadline) noexcept {
   }
 }
 
-/// The next generation, best W first. A parent whose scan is not believed goes on as it is; one whose scan is
-/// believed goes on only in its offspring: its candidates at the believed place (computed rule) or all of
-/// them (the paper's).
+/// The next generation of the parents that were associated, best W first. A parent whose scan is not believed
+/// goes on as it is; one whose scan is believed goes on only in its offspring: its candidates at the believed
+/// place (computed rule) or all of them (the paper's).
 HypothesisSet::Generation HypothesisSet::spawn() const noexcept {
   Generation generation;
   const auto insert = [&](const Offspring& offspring) {
@@ -94,7 +136,7 @@ HypothesisSet::Generation HypothesisSet::spawn() const noexcept {
     }
     generation[place] = offspring;
   };
-  for (std::uint32_t h = 0; h < kept_.size(); ++h) {
+  for (std::uint32_t h = 0; h < litters_.size(); ++h) {
     const std::uint64_t weight = pool_[kept_[h]]->weight;
     const Litter& litter = litters_[h];
     if (litter.verdict.status != FixStatus::Fix) {
@@ -161,7 +203,9 @@ void HypothesisSet::replace(const Generation& generation) noexcept {
   for (std::size_t i = 0; i < generation.size(); ++i) {
     extend(next[i], generation[i]);
   }
-  jumps_ += generation[0].parent != 0 ? 1 : 0;  // the solution goes on from what was not the solution
+  const bool has_jumped = generation[0].parent != 0;  // the solution goes on from what was not the solution
+  jumps_ += has_jumped ? 1 : 0;
+  revision_ += has_jumped || generation[0].candidate >= 0 ? 1 : 0;
   kept_ = next;
 }
 

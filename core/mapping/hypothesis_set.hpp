@@ -8,6 +8,7 @@
 #include "core/landmark.hpp"
 #include "core/mapping/hypothesis.hpp"
 #include "core/mapping/map_builder.hpp"
+#include "core/mapping/map_state.hpp"
 #include "core/memory/arena.hpp"
 #include "core/memory/bounded_vector.hpp"
 #include "core/memory/fixed_vector.hpp"
@@ -27,6 +28,12 @@ struct Counters {
   std::uint64_t searches_cut = 0;        ///< by the deadline
 };
 
+/// Whether scans may change the map.
+enum class Frozen : std::uint8_t {
+  No,
+  Yes,  ///< localise only, in the best hypothesis: nothing that it remembers changes
+};
+
 /// The kept hypotheses (DESIGN 2.4). On a scan each spawns its candidates; all are ranked by W; the best
 /// Lambda_max survive; the best of them is the solution. A scan that is not believed changes no map. One
 /// thread; no allocation after construction.
@@ -38,8 +45,30 @@ class HypothesisSet {
   /// enough landmarks defines the map frame: its pose is the origin. Fix::time is the caller's.
   [[nodiscard]] Fix process(std::span<const ScanLandmark> landmarks, const Deadline& deadline) noexcept;
 
-  /// Forgets everything; the next scan starts a new map.
+  /// Forgets everything; the next scan starts a new map, unless frozen.
   void reset() noexcept;
+
+  /// Replaces all hypotheses by the one that `state` was taken of; scans go on being counted from there. The
+  /// next scan is localised in it like any other, as the hypothesis itself would have done it. A flawed state
+  /// is refused and changes nothing. Where there was a hypothesis before, this counts as a jump.
+  [[nodiscard]] MapCheck restore(const MapState& state) noexcept;
+
+  /// From the next scan on maps, paths and weights change no more, or do again. A frozen set without a map
+  /// gives no fix and starts none.
+  void set_frozen(Frozen frozen) noexcept { frozen_ = frozen; }
+  [[nodiscard]] Frozen frozen() const noexcept { return frozen_; }
+
+  /// The best hypothesis as it stands, valid until the next change; without landmarks when there is none.
+  [[nodiscard]] MapState state() const noexcept;
+
+  /// Grows whenever map or path of the best hypothesis change, and never falls.
+  [[nodiscard]] std::uint64_t revision() const noexcept { return revision_; }
+
+  /// Goes on with the best hypothesis alone, as if it had been restored.
+  void drop_rivals() noexcept;
+
+  /// Number of hypotheses that are kept now.
+  [[nodiscard]] std::size_t size() const noexcept { return kept_.size(); }
 
   [[nodiscard]] bool empty() const noexcept { return kept_.empty(); }
   [[nodiscard]] const Hypothesis& best() const noexcept { return *pool_[kept_[0]]; }
@@ -60,7 +89,9 @@ class HypothesisSet {
   using Generation = FixedVector<Offspring, kHypothesesMax>;
 
   void take_landmarks(std::span<const ScanLandmark> landmarks) noexcept;
-  void associate_all(const Deadline& deadline) noexcept;
+  void start(Fix& fix) noexcept;
+  void localise(const Deadline& deadline, Fix& fix) noexcept;
+  void associate_first(std::size_t hypotheses, const Deadline& deadline) noexcept;
   [[nodiscard]] Generation spawn() const noexcept;
   void replace(const Generation& generation) noexcept;
   void report(const Offspring& best, Fix& fix) noexcept;
@@ -74,6 +105,8 @@ class HypothesisSet {
   BoundedVector<Point2> scan_B_;   // in the body frame: what core localises is the body
   BoundedVector<Litter> litters_;  // per place in kept_
   Counters counters_;
+  Frozen frozen_ = Frozen::No;
+  std::uint64_t revision_ = 0;
   std::uint32_t scans_ = 0;
   std::uint32_t jumps_ = 0;
 };

@@ -4,6 +4,17 @@
 
 namespace slamsensor::core {
 
+std::optional<std::uint32_t> find_landmark(std::span<const MapLandmark> landmarks,
+                                           std::uint32_t id) noexcept {
+  const auto place =
+      std::lower_bound(landmarks.begin(), landmarks.end(), id,
+                       [](const MapLandmark& l, std::uint32_t wanted) { return l.id < wanted; });
+  if (place == landmarks.end() || place->id != id) {
+    return std::nullopt;
+  }
+  return static_cast<std::uint32_t>(place - landmarks.begin());
+}
+
 LandmarkMap::LandmarkMap(Arena& arena, const Capacities& capacities) noexcept
     : landmarks_(arena, "map: landmarks", capacities.map_landmarks),
       positions_W_(arena, "map: positions", capacities.map_landmarks),
@@ -26,16 +37,6 @@ void LandmarkMap::remove(std::span<const bool> drop) noexcept {
   }
   landmarks_.truncate(kept);
   positions_W_.truncate(kept);
-}
-
-std::optional<std::uint32_t> LandmarkMap::find(std::uint32_t id) const noexcept {
-  const auto* const place =
-      std::lower_bound(landmarks_.begin(), landmarks_.end(), id,
-                       [](const MapLandmark& l, std::uint32_t wanted) { return l.id < wanted; });
-  if (place == landmarks_.end() || place->id != id) {
-    return std::nullopt;
-  }
-  return static_cast<std::uint32_t>(place - landmarks_.begin());
 }
 
 void LandmarkMap::rebuild_index(Delaunay& delaunay, const AssociationConfig& config) noexcept {

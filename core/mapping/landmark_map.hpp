@@ -31,6 +31,10 @@ struct MapLandmark {
   std::uint32_t last_scan = 0;
 };
 
+/// Index of the landmark with `id` among `landmarks`, which are sorted by id; none when it is not there.
+[[nodiscard]] std::optional<std::uint32_t> find_landmark(std::span<const MapLandmark> landmarks,
+                                                         std::uint32_t id) noexcept;
+
 /// The landmarks of one hypothesis with the index that association searches. Sorted by id.
 class LandmarkMap {
  public:
@@ -44,7 +48,9 @@ class LandmarkMap {
   void remove(std::span<const bool> drop) noexcept;
 
   /// Index of the landmark with `id`; none when it has been removed.
-  [[nodiscard]] std::optional<std::uint32_t> find(std::uint32_t id) const noexcept;
+  [[nodiscard]] std::optional<std::uint32_t> find(std::uint32_t id) const noexcept {
+    return find_landmark(landmarks_.span(), id);
+  }
 
   /// Brings graph and grid up to date with the positions; `view()` is valid until the next change.
   void rebuild_index(Delaunay& delaunay, const AssociationConfig& config) noexcept;

@@ -60,6 +60,19 @@ void MapBuilder::extend(std::span<const Point2> scan_L, const Candidate& candida
   hypothesis.map.rebuild_index(delaunay_, config_.association);
 }
 
+void MapBuilder::restore(const MapState& state, Hypothesis& hypothesis) noexcept {
+  hypothesis.clear();
+  for (std::size_t i = 0; i < state.landmarks.size(); ++i) {
+    SLAMSENSOR_ASSERT(hypothesis.map.try_add(state.landmarks[i], state.positions_W[i]));
+  }
+  SLAMSENSOR_ASSERT(hypothesis.path.assign(state.path));
+  hypothesis.weight = state.weight;
+  hypothesis.next_id = state.next_id;
+  hypothesis.landmarks_evicted = state.landmarks_evicted;
+  hypothesis.path_thinnings = state.path_thinnings;
+  hypothesis.map.rebuild_index(delaunay_, config_.association);
+}
+
 void MapBuilder::add_unmatched(const ScanInMap& scan, std::uint32_t scan_xi,
                                const std::array<std::uint32_t, 3>& parents, Hypothesis& hypothesis) noexcept {
   make_room(static_cast<std::uint32_t>(scan.scan_L.size() - scan.matches.size()), scan.number, hypothesis);

@@ -4,6 +4,7 @@
 #include "core/config.hpp"
 #include "core/graph/delaunay.hpp"
 #include "core/mapping/hypothesis.hpp"
+#include "core/mapping/map_state.hpp"
 #include "core/mapping/positional_error.hpp"
 #include "core/mapping/pruning.hpp"
 #include "core/memory/arena.hpp"
@@ -27,6 +28,9 @@ class MapBuilder {
   /// but the first; both are counted in the hypothesis.
   void extend(std::span<const Point2> scan_L, const Candidate& candidate, std::uint32_t scan,
               Hypothesis& hypothesis) noexcept;
+
+  /// Makes `hypothesis` equal to the one that `state` was taken of; check_map must have found no flaw in it.
+  void restore(const MapState& state, Hypothesis& hypothesis) noexcept;
 
  private:
   void add_unmatched(const ScanInMap& scan, std::uint32_t scan_xi,

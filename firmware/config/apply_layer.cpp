@@ -1,11 +1,10 @@
 #include "firmware/config/load_config.hpp"
+#include "firmware/config/store_value.hpp"
 #include "firmware/config/suggestion.hpp"
 
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <cmath>
-#include <iterator>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -13,109 +12,36 @@
 namespace slamsensor::firmware {
 namespace {
 
-/// `text` as it can stand in a message of one line: cut, and without control characters.
-std::string printable(std::string_view text) {
-  constexpr std::size_t kShownMax = 64;
-  std::string shown(text.substr(0, kShownMax));
-  std::replace_if(
-      shown.begin(), shown.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; },
-      '?');
-  return text.size() > kShownMax ? shown + "..." : shown;
+constexpr std::size_t kReasonMax = 200;  // bytes of what the parser says
+constexpr std::string_view kPreset = "point_laser.preset";
+
+/// Gives the point laser the values of its preset, but those of its keys that some layer has written.
+void lay_over_preset(LoadedConfig& loaded) {
+  Config fresh;
+  fresh.head.point_laser = preset_config(loaded.config.head.point_laser_preset);
+  for (std::size_t i = 0; i < settings().size(); ++i) {
+    const Setting& setting = settings()[i];
+    if (setting.section() == "point_laser" && !loaded.origins[i].is_default()) {
+      copy_setting(setting, loaded.config, fresh);
+    }
+  }
+  loaded.config.head.point_laser = fresh.head.point_laser;
 }
 
-/// What was written, for a message.
-std::string written_text(const toml::node& node) {
-  switch (node.type()) {
-    case toml::node_type::string:
-      return '"' + printable(node.as_string()->get()) + '"';
-    case toml::node_type::integer:
-      return std::to_string(node.as_integer()->get());
-    case toml::node_type::floating_point:
-      return real_text(node.as_floating_point()->get());
-    case toml::node_type::boolean:
-      return node.as_boolean()->get() ? "true" : "false";
-    case toml::node_type::table:
-      return "(a table)";
-    case toml::node_type::array:
-      return "(an array)";
-    default:
-      return "(a date or time)";
-  }
-}
-
-/// Stores a value of the file in the config. Each returns what is wrong with it, or nothing and has stored
-/// it.
-struct Store {
-  const toml::node& node;
-  Config& config;
-  using Fault = std::optional<std::string>;
-
-  Fault operator()(const RealSetting& s) const {
-    const std::optional<double> value = node.is_number() ? node.value<double>() : std::nullopt;
-    if (!value) {
-      return "is not a number";
-    }
-    if (!std::isfinite(*value)) {
-      return "is not a finite number";
-    }
-    if (*value < s.min || *value > s.max) {
-      return "is out of range";
-    }
-    *s.member.write(config) = *value * s.scale;
-    return std::nullopt;
-  }
-
-  Fault operator()(const IntegerSetting& s) const {
-    const toml::value<std::int64_t>* const value = node.as_integer();
-    if (value == nullptr) {
-      return "is not a whole number";
-    }
-    if (value->get() < std::int64_t{s.min} || value->get() > std::int64_t{s.max}) {
-      return "is out of range";
-    }
-    *s.member.write(config) = static_cast<std::uint32_t>(value->get());
-    return std::nullopt;
-  }
-
-  Fault operator()(const BooleanSetting& s) const {
-    if (!node.is_boolean()) {
-      return "is neither true nor false";
-    }
-    *s.member.write(config) = node.as_boolean()->get();
-    return std::nullopt;
-  }
-
-  /// The position of the written text among `names`.
-  [[nodiscard]] tl::expected<std::size_t, std::string> position(
-      std::span<const std::string_view> names) const {
-    if (!node.is_string()) {
-      return tl::unexpected<std::string>("is not a text in quotes");
-    }
-    const auto found = std::find(names.begin(), names.end(), std::string_view(node.as_string()->get()));
-    if (found == names.end()) {
-      return tl::unexpected<std::string>("is not one of the names");
-    }
-    return static_cast<std::size_t>(found - names.begin());
-  }
-
-  Fault operator()(const TextSetting& s) const {
-    const auto index = position(s.names);
-    if (!index) {
-      return index.error();
-    }
-    *s.member.write(config) = s.names[*index];
-    return std::nullopt;
-  }
-
-  Fault operator()(const ChoiceSetting& s) const {
-    const auto index = position(s.names);
-    if (!index) {
-      return index.error();
-    }
-    s.write(config, *index);
-    return std::nullopt;
-  }
+struct SyntaxFault {
+  std::uint32_t line;
+  std::uint32_t column;
+  std::string message;
 };
+
+tl::expected<toml::table, SyntaxFault> parsed(std::string_view text) {
+  try {
+    return toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    const toml::source_position& place = error.source().begin;
+    return tl::unexpected(SyntaxFault{place.line, place.column, printable(error.description(), kReasonMax)});
+  }
+}
 
 /// What to do about a refused value.
 std::string advice(const Setting& setting) {
@@ -143,6 +69,9 @@ class Layer {
         refuse_unknown(key.source(), key.str(), node.is_table() || node.is_array_of_tables());
       }
     }
+    if (has_preset_) {
+      lay_over_preset(onto_);
+    }
   }
 
   /// The mistakes, in the order of the lines.
@@ -169,19 +98,20 @@ class Layer {
         refuse_unknown(key.source(), path, false);
       }
     }
-    if (section.optional) {
+    if (section.is_optional()) {
       require_all(section, table);
     }
   }
 
   void apply_value(std::size_t index, const toml::node& node) {
     const Setting& setting = settings()[index];
-    if (const std::optional<std::string> fault = std::visit(Store{node, onto_.config}, setting.kind)) {
+    if (const std::optional<std::string> fault = store_value(setting, node, onto_.config)) {
       refuse(node.source(), setting.path,
              "value " + written_text(node) + ' ' + *fault + "; allowed: " + allowed_text(setting) + "; " +
                  advice(setting));
     } else {
       onto_.origins[index] = origin_at(node.source());
+      has_preset_ = has_preset_ || setting.path == kPreset;
     }
   }
 
@@ -219,20 +149,26 @@ class Layer {
   LoadedConfig& onto_;
   std::string name_;
   std::vector<ConfigError> errors_;
+  bool has_preset_ = false;  // this layer chooses a point laser
 };
 
 }  // namespace
 
+std::string syntax_fault(std::string_view text) {
+  const auto root = parsed(text);
+  return root ? "" : root.error().message;
+}
+
 std::vector<ConfigError> apply_layer(LoadedConfig& onto, std::string_view text, std::string_view name) {
-  toml::table root;
-  try {
-    root = toml::parse(text);
-  } catch (const toml::parse_error& error) {
-    const Origin place{std::string(name), error.source().begin.line, error.source().begin.column};
-    return {{place, "", "not TOML: " + printable(error.description()) + "; correct this line"}};
+  const auto root = parsed(text);
+  if (!root) {
+    const SyntaxFault& fault = root.error();
+    return {{{std::string(name), fault.line, fault.column},
+             "",
+             "not TOML: " + fault.message + "; correct this line"}};
   }
   Layer layer(onto, name);
-  layer.apply(root);
+  layer.apply(*root);
   return layer.take_errors();
 }
 

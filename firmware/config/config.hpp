@@ -1,6 +1,9 @@
 #pragma once
 
 #include "core/config.hpp"
+#include "firmware/config/daemon_config.hpp"
+#include "firmware/device/head_config.hpp"
+#include "firmware/scan/scan_config.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -39,10 +42,23 @@ struct Datum {
 /// What a live fix calls itself in GGA and RMC: quality 1 mode A, 4 R, 5 F.
 enum class NmeaQuality : std::uint8_t { Autonomous, RtkFixed, RtkFloat };
 
+/// The sentences of an epoch; their order is fixed.
+struct NmeaSentences {
+  bool rmc = true;
+  bool gga = true;
+  bool gbs = true;
+  bool hdt = true;
+  bool ths = false;  ///< heading with a mode letter, V without a fix, where HDT is left out
+  bool gst = true;
+  bool pslma = true;
+};
+
 struct NmeaConfig {
   std::string talker = "GP";
   NmeaQuality quality = NmeaQuality::Autonomous;
+  NmeaSentences sentences{};
   bool zda = false;               ///< date and time as a sentence of its own, once a second
+  bool prompt = true;             ///< the answer of a scan also at once, between two regular epochs
   double landmark_sigma_m = 0.3;  ///< 1 sigma of a landmark's place: unit of HDOP and the RMS of GST
 };
 
@@ -53,6 +69,9 @@ struct Config {
   LandmarkListConfig landmark_list;
   NmeaConfig nmea;
   std::optional<Datum> datum;
+  HeadConfig head;             ///< the devices
+  SensorHeadConfig scan_head;  ///< what they do
+  DaemonConfig daemon;
 };
 
 }  // namespace slamsensor::firmware

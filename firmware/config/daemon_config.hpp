@@ -44,7 +44,7 @@ struct NmeaTcpConfig {
 struct LcmConfig {
   bool enabled = true;
   std::string url;                        ///< empty: LCM_DEFAULT_URL, else LCM's own default (ttl 0)
-  std::string prefix = "SLAMSENSOR_";     ///< of the product's own channels: POSE, STATUS, MAP, SCAN
+  std::string prefix = "SLAMSENSOR_";     ///< of the own channels: POSE, STATUS, COUNTERS, MAP, SCAN
   std::string bot_core_channel = "POSE";  ///< of bot_core.pose_t; empty: none
   double status_hz = 1.0;                 ///< [0.1, 10]
   double map_period_s = 5.0;              ///< [0.1, 3600] between two transmissions of a changed map

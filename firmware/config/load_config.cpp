@@ -1,9 +1,11 @@
 #include "firmware/config/load_config.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 namespace slamsensor::firmware {
@@ -35,6 +37,56 @@ tl::expected<std::string, std::string> file_text(const std::filesystem::path& pa
   return text;
 }
 
+ConfigError file_error(const std::filesystem::path& path, std::string message) {
+  return {{path.string(), 0, 0}, "", std::move(message)};
+}
+
+std::vector<ConfigError> apply_file(LoadedConfig& onto, const std::filesystem::path& path) {
+  const tl::expected<std::string, std::string> text = file_text(path);
+  if (!text) {
+    return {file_error(path, text.error())};
+  }
+  return apply_layer(onto, *text, path.string());
+}
+
+/// The files *.toml of `folder` in the order of their names; none when there is no such folder.
+tl::expected<std::vector<std::filesystem::path>, ConfigError> drop_in_files(
+    const std::filesystem::path& folder) {
+  constexpr std::size_t kFilesMax = 100;
+  std::vector<std::filesystem::path> files;
+  std::error_code code;
+  if (!std::filesystem::exists(std::filesystem::symlink_status(folder, code))) {
+    return files;
+  }
+  std::filesystem::directory_iterator entry(folder, code);
+  for (; !code && entry != std::filesystem::directory_iterator(); entry.increment(code)) {
+    if (entry->path().extension() == ".toml") {
+      files.push_back(entry->path());
+    }
+  }
+  if (code) {
+    return tl::unexpected(file_error(
+        folder, "the drop-in folder cannot be read: " + code.message() + "; check its permissions"));
+  }
+  if (files.size() > kFilesMax) {
+    return tl::unexpected(file_error(folder, "has " + std::to_string(files.size()) +
+                                                 " files *.toml; at most " + std::to_string(kFilesMax) +
+                                                 " are read; join some"));
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// `loaded` when neither its layers nor the rules between keys had a mistake.
+tl::expected<LoadedConfig, std::vector<ConfigError>> checked(const LoadedConfig& loaded,
+                                                             std::vector<ConfigError> errors) {
+  append(errors, check_config(loaded, errors));
+  if (!errors.empty()) {
+    return tl::unexpected(std::move(errors));
+  }
+  return loaded;
+}
+
 }  // namespace
 
 const Origin& LoadedConfig::origin(std::string_view path) const {
@@ -46,22 +98,25 @@ const Origin& LoadedConfig::origin(std::string_view path) const {
 tl::expected<LoadedConfig, std::vector<ConfigError>> load_config_text(std::string_view text,
                                                                       std::string_view name) {
   LoadedConfig loaded;
-  std::vector<ConfigError> errors = apply_layer(loaded, text, name);
-  for (ConfigError& error : check_config(loaded, errors)) {
-    errors.push_back(std::move(error));
+  return checked(loaded, apply_layer(loaded, text, name));
+}
+
+std::vector<ConfigError> apply_files(LoadedConfig& onto, const std::filesystem::path& path) {
+  std::vector<ConfigError> errors = apply_file(onto, path);
+  const auto drop_ins = drop_in_files(path.string() + ".d");
+  if (!drop_ins) {
+    errors.push_back(drop_ins.error());
+    return errors;
   }
-  if (!errors.empty()) {
-    return tl::unexpected(std::move(errors));
+  for (const std::filesystem::path& file : *drop_ins) {
+    append(errors, apply_file(onto, file));
   }
-  return loaded;
+  return errors;
 }
 
 tl::expected<LoadedConfig, std::vector<ConfigError>> load_config(const std::filesystem::path& path) {
-  const tl::expected<std::string, std::string> text = file_text(path);
-  if (!text) {
-    return tl::unexpected(std::vector<ConfigError>{{{path.string(), 0, 0}, "", text.error()}});
-  }
-  return load_config_text(*text, path.string());
+  LoadedConfig loaded;
+  return checked(loaded, apply_files(loaded, path));
 }
 
 }  // namespace slamsensor::firmware

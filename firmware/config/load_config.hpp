@@ -32,6 +32,9 @@ inline constexpr std::size_t kConfigErrorsMax = 100;
 [[nodiscard]] std::vector<ConfigError> apply_layer(LoadedConfig& onto, std::string_view text,
                                                    std::string_view name);
 
+/// What is wrong with `text` as TOML, in a line; empty when nothing is.
+[[nodiscard]] std::string syntax_fault(std::string_view text);
+
 /// Every rule that two or more keys break together, each at the place of one of them. Rules about a key that
 /// `known` already names are left out: its value in force is not the one that was written.
 [[nodiscard]] std::vector<ConfigError> check_config(const LoadedConfig& loaded,
@@ -42,7 +45,14 @@ inline constexpr std::size_t kConfigErrorsMax = 100;
 [[nodiscard]] tl::expected<LoadedConfig, std::vector<ConfigError>> load_config_text(std::string_view text,
                                                                                     std::string_view name);
 
-/// The same from a file of at most 1 MiB.
+/// Lays the file `path` over `onto`, and over that, in the order of their names, the files *.toml of the
+/// folder that is called as the file with ".d" behind it, if there is one. Each has at most 1 MiB. Returns
+/// every mistake of all of them, as apply_layer does; a file with a mistake does not keep the others from
+/// being read.
+[[nodiscard]] std::vector<ConfigError> apply_files(LoadedConfig& onto, const std::filesystem::path& path);
+
+/// The defaults with a file and its drop-in folder laid over them, if there is no mistake in any; else all
+/// mistakes.
 [[nodiscard]] tl::expected<LoadedConfig, std::vector<ConfigError>> load_config(
     const std::filesystem::path& path);
 

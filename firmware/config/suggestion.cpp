@@ -10,29 +10,48 @@ namespace {
 
 constexpr std::size_t kWordMax = 64;  // longer words are no slip of the hand, and the distance is quadratic
 
+/// The nearest names, as long as they are few.
 struct Nearest {
-  std::string_view name;
+  std::vector<std::string_view> names;
   std::size_t distance = kWordMax;
 
   void offer(std::string_view candidate, std::size_t candidate_distance) {
     if (candidate_distance < distance) {
-      name = candidate;
+      names.clear();
       distance = candidate_distance;
+    }
+    if (candidate_distance == distance) {
+      names.push_back(candidate);
     }
   }
   [[nodiscard]] std::string within(std::size_t limit) const {
-    return distance <= limit ? std::string(name) : std::string();
+    constexpr std::size_t kNamesMax = 4;
+    std::string text;
+    if (distance <= limit && names.size() <= kNamesMax) {
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        text += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + std::string(names[i]);
+      }
+    }
+    return text;
   }
 };
+
+std::string lowered(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return lower;
+}
 
 std::size_t limit_for(std::string_view word) {
   return std::max<std::size_t>(2, word.size() / 3);
 }
 
-/// How far `written` is from the key `key`. A key written without its unit ("tilt_min") or without what
-/// stands before its last words is one step away.
+/// How far `written` is from the key `key`. A key written without its unit ("tilt_min") is one step away.
 std::size_t key_distance(std::string_view written, std::string_view key) {
-  if (written.size() >= 3 && key.starts_with(written) && key.substr(written.size()).starts_with('_')) {
+  constexpr std::size_t kUnitMax = 6;  // "_deg_s"
+  if (written.size() >= 3 && key.starts_with(written) && key.size() - written.size() <= kUnitMax &&
+      key.substr(written.size()).starts_with('_')) {
     return 1;
   }
   return edit_distance(written, key);
@@ -66,9 +85,10 @@ std::string suggest_section(std::string_view path) {
   if (path.size() > kWordMax) {
     return {};
   }
+  const std::string written = lowered(path);
   Nearest nearest;
   for (const Section& section : sections()) {
-    nearest.offer(section.name, edit_distance(path, section.name));
+    nearest.offer(section.name, edit_distance(written, section.name));
   }
   return nearest.within(limit_for(path));
 }
@@ -77,9 +97,11 @@ std::string suggest_key(std::string_view path) {
   if (path.size() > kWordMax) {
     return {};
   }
-  const std::size_t dot = path.find('.');
-  const std::string_view section = dot == std::string_view::npos ? std::string_view() : path.substr(0, dot);
-  const std::string_view key = dot == std::string_view::npos ? path : path.substr(dot + 1);
+  const std::string written = lowered(path);
+  const std::string_view whole = written;
+  const std::size_t dot = whole.find('.');
+  const std::string_view section = dot == std::string_view::npos ? std::string_view() : whole.substr(0, dot);
+  const std::string_view key = dot == std::string_view::npos ? whole : whole.substr(dot + 1);
   Nearest nearest;
   for (const Setting& setting : settings()) {
     // A key of another section must fit better than one of the section that was written.

@@ -6,8 +6,10 @@
 #include "firmware/output/nmea_sentence.hpp"
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 namespace slamsensor::firmware {
@@ -15,55 +17,71 @@ namespace slamsensor::firmware {
 /// Where the scans come from: a sensor head, or a recording or an emulator (GGA quality 8, RMC mode S).
 enum class NmeaMode : std::uint8_t { Live, Simulated };
 
+/// When an epoch is: its own time, which all of its sentences carry, and how old the scan is that it tells
+/// of.
+struct NmeaMoment {
+  std::chrono::nanoseconds utc{0};                 ///< since 1970-01-01
+  std::optional<std::chrono::nanoseconds> age{0};  ///< since the middle of the scan; empty before the first
+};
+
 /// What the sentences need beside the fix.
 struct NmeaContext {
   std::array<char, 2> talker = {'G', 'P'};
   NmeaMode mode = NmeaMode::Live;
   NmeaQuality quality = NmeaQuality::Autonomous;  ///< of a live fix
   double landmark_sigma_m = 0.3;                  ///< 1 sigma of a landmark's place
-  bool zda = false;                               ///< this epoch has a ZDA
-  const GeoReference* geo = nullptr;              ///< null without a datum; outlives the call
+  NmeaSentences sentences{};
+  bool zda = false;                    ///< this epoch has a ZDA
+  const GeoReference* geo = nullptr;   ///< null without a datum; outlives the call
+  std::optional<NmeaMoment> moment{};  ///< empty: the middle of the scan, as when a list of scans is replayed
 };
 
 /// The context of the settings; `zda` is what they say, for the caller to thin out to once a second.
 [[nodiscard]] NmeaContext nmea_context(const NmeaConfig& config, const GeoReference* geo,
                                        NmeaMode mode) noexcept;
 
-/// Enough for any epoch: RMC, GGA, GBS, HDT, GST, ZDA, PSLMA.
-inline constexpr std::size_t kNmeaEpochBytesMax = 7 * kNmeaSentenceMax;
+/// Enough for any epoch: RMC, GGA, GBS, HDT, THS, GST, ZDA, PSLMA.
+inline constexpr std::size_t kNmeaEpochBytesMax = 8 * kNmeaSentenceMax;
 
-/// Writes the sentences of one epoch (DESIGN 4) and returns their bytes: RMC, GGA, GBS, HDT, GST, ZDA if
-/// asked for, then PSLMA, all of the time `fix.time.middle_utc` rounded to 0.01 s, each at most 82
-/// characters. Returns 0 and writes nothing when `out` is smaller than kNmeaEpochBytesMax. Allocates nothing,
-/// knows no locale.
+/// Writes the sentences of one epoch (DESIGN 4) and returns their bytes: of RMC, GGA, GBS, HDT, THS, GST, ZDA
+/// and PSLMA, in this order, those that `context` asks for, all of the time of `context.moment` rounded to
+/// 0.01 s, each at most 82 characters. Returns 0 and writes nothing when `out` is smaller than
+/// kNmeaEpochBytesMax. Allocates nothing, knows no locale.
 ///
 /// RMC to GST are those of a position when the status is Fix, the pose is finite and there is a datum. Else
-/// RMC says V mode N, GGA quality 0, all fields of GBS and GST but the time are empty and HDT is left out: a
-/// reader keeps the last heading on an empty one. Speed and course are always empty.
+/// RMC says V mode N, GGA quality 0 (its HDOP empty: gpsd 3.22 keeps that of the epoch before for the first
+/// fix after it), all fields of GBS and GST but the time are empty, THS says V and HDT is left out: a reader
+/// keeps the last heading on an empty one. Speed and course are always empty.
 ///   GGA   satellites = matches, at most 99 (gpsd takes fewer than 3 as no fix); HDOP = sqrt(var x + var y) /
 ///         landmark_sigma_m within 0.01 .. 99.99, empty when the covariance is not usable; altitude = the
 ///         datum's height over geoid separation 0.0, that is, above the ellipsoid.
 ///   GBS   1 sigma to north and to east, m, of the covariance turned to true east and north.
 ///   GST   landmark_sigma_m as the RMS of the ranges; 1 sigma ellipse: major, minor, bearing of the major
-///   axis; 1 sigma
-///         to north and to east. Altitude is not measured, so its sigma is empty here and in GBS.
+///         axis; 1 sigma to north and to east. Altitude is not measured, so its sigma is empty here and in
+///         GBS.
 /// Latitude and longitude have 7 decimals of a minute (0.2 mm), fewer when the line would exceed 82
 /// characters.
 ///
-/// $PSLMA,POSE,time,status,mode,reason,x,y,heading,sigma,sigma_heading,xi,matches,seen*hh
+/// $PSLMA,POSE,time,status,mode,reason,x,y,heading,sigma,sigma_heading,xi,matches,seen,age*hh
 ///    1  POSE           kind of sentence
 ///    2  time           hhmmss.ss UTC, that of the other sentences
 ///    3  status         A fix, U ambiguous (the pose is the better of two), V no fix
 ///    4  mode           A live, S replayed or emulated
-///    5  reason         0 none, 1 too few landmarks, 2 no overlap, 3 symmetric, 4 deadline, 5 stale, 6 device
-///    6  x              m in the map frame; 6 to 9 with 3 decimals, fewer when the line would exceed 82
-///    characters 7  y              m 8  heading        deg, counter-clockwise from the map's x axis, [0, 360)
+///    5  reason         0 none, 1 too few landmarks, 2 no overlap, 3 symmetric, 4 deadline, 5 stale, 6
+///    device,
+///                      7 moved
+///    6  x              m in the map frame, within 1000 km of its origin
+///    7  y              m
+///    8  heading        deg, counter-clockwise from the map's x axis, [0, 360)
 ///    9  sigma          m, 1 sigma of the position along the longest axis of its ellipse, at most 9999
 ///   10  sigma_heading  deg, 1 sigma
 ///   11  xi             triangulations between the scan and the origin, at most 9999
-///   12  matches        landmarks matched, at most 999
-///   13  seen           landmarks of the scan, at most 999
-/// Fields 6 to 11 are empty without a fix; 9 and 10 when the covariance is not usable.
+///   12  matches        landmarks matched in the last scan, at most 999
+///   13  seen           landmarks of the last scan, at most 999
+///   14  age            s from the middle of the last scan to the time of the sentence, at most 99999
+/// Fields 6 to 11 are empty without a fix; 9 and 10 when the covariance is not usable; 14 before the first
+/// scan. Fields 6 to 9 have 3 decimals, 10 and 14 have 2; fewer when the line would exceed 82 characters, the
+/// age's first.
 [[nodiscard]] std::size_t format_nmea(const core::Fix& fix, const NmeaContext& context,
                                       std::span<char> out) noexcept;
 

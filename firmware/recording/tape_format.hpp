@@ -1,67 +1,101 @@
 #pragma once
 
-#include "firmware/lcm/fingerprint.hpp"
 #include "hal/transport/can_link.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace slamsensor::firmware {
 
-/// A tape holds everything that drivers were told by the outer world, in the order in which they were told:
-/// each call of step() with its time, and each call of a link with its result. Drivers that are given the
-/// same answers again do the same again, bit for bit.
+/// A tape holds everything that the drivers and the scan scheduler were told by the outer world, in the order
+/// in which they were told: each call of step() with its time, each call of a link with its result, each
+/// command. Drivers that are made anew and given the same answers again do the same again, bit for bit.
 ///
-/// A chunk of tape is a sequence of operations. An operation is one byte, `TapeOp` in the upper four bits and
-/// the number of the link in the lower four, then its fields: numbers as LEB128 (signed ones zigzag), bytes
-/// as they are.
-///   Step          ns since the step before; in the first step of a chunk, since boot
-///   LinkState     epoch, 1 when up else 0         (when service() changed it)
-///   ReadBusy      -
-///   ReadOk        stamp - now (signed ns), count, bytes
-///   ReadDown      epoch, up
-///   Write         status, count, bytes
-///   SetBaud       status, baud
-///   Discard       -
-///   CanReceive    stamp - now (signed ns), id, extended + 2 * size, bytes
-///   CanSend       status, id, extended + 2 * size, bytes
+/// An operation is one byte, `TapeOp` in the upper four bits and the number of the link in the lower four,
+/// then its fields: numbers as LEB128 (signed ones zigzag), bytes as they are. "State" stands for epoch, 1
+/// when up else 0, baud (0 on a bus).
+///   Open         state                                  before the driver is made
+///   Step         ns since the step before, less those between it and its predecessor (signed); the first
+///                step of a chunk: ns since boot
+///   Service      state                                  when service() has changed it
+///   After        state                                  when the operation before has changed it
+///   ReadBusy     -                                      of a bus too
+///   ReadDown     -                                      of a bus too
+///   ReadOk       stamp - now (signed ns), count, bytes
+///   Write        status, count, bytes
+///   SetBaud      status, baud
+///   Discard      -
+///   CanReceive   stamp - now (signed ns), id, extended + 2 * size, bytes
+///   CanSend      status, id, extended + 2 * size, bytes
+///   Command      TapeCommand, its argument
+///   Lost         operations that found no room          the tape cannot be played any further
+///   End          -                                      the recording was ended in good order
 enum class TapeOp : std::uint8_t {
+  Open,
   Step,
-  LinkState,
+  Service,
+  After,
   ReadBusy,
-  ReadOk,
   ReadDown,
+  ReadOk,
   Write,
   SetBaud,
   Discard,
   CanReceive,
   CanSend,
+  Command,
+  Lost,
+  End,
 };
 
-inline constexpr std::size_t kTapeOps = static_cast<std::size_t>(TapeOp::CanSend) + 1;
+inline constexpr std::size_t kTapeOps = static_cast<std::size_t>(TapeOp::End) + 1;
 inline constexpr std::size_t kTapeLinks = 16;
 
-/// Most bytes that one read or write of a link can carry; longer calls are recorded as far as that, and the
-/// tape is marked broken.
+/// The links of a sensor head on its tape.
+enum class HeadLink : std::uint8_t { PanTiltBytes, PanTiltCan, RangefinderBytes, RangefinderCan };
+inline constexpr std::array<std::string_view, 4> kHeadLinkNames = {
+    "pan-tilt port", "pan-tilt CAN socket", "rangefinder port", "rangefinder CAN socket"};
+
+[[nodiscard]] constexpr bool is_bus(HeadLink link) noexcept {
+  return link == HeadLink::PanTiltCan || link == HeadLink::RangefinderCan;
+}
+
+/// What else than time and devices leads a scan. The argument is 0 where none is named.
+enum class TapeCommand : std::uint8_t {
+  RequestScan,
+  Hold,     ///< argument: the reason's number
+  Release,  ///< argument: the reason's number
+  SetMode,  ///< argument: the ScanMode's number
+  AbortScan,
+};
+inline constexpr std::size_t kTapeCommands = static_cast<std::size_t>(TapeCommand::AbortScan) + 1;
+
+/// What a link says of itself.
+struct TapeLinkState {
+  std::uint32_t epoch = 0;
+  bool is_up = false;
+  std::uint32_t baud = 0;
+
+  friend bool operator==(const TapeLinkState&, const TapeLinkState&) = default;
+};
+
+/// Most bytes that one read of a recorded link hands out. A longer write is cut on the tape, which then plays
+/// as far as that.
 inline constexpr std::size_t kTapeBytesMax = 8192;
 
-/// A chunk ends at the first step after this many bytes, so that an LCM message stays below 64 kB.
-inline constexpr std::size_t kTapeChunkBytes = 32 * 1024;
+/// Most bytes of a chunk: an LCM message that carries it is a single datagram.
+inline constexpr std::size_t kTapeChunkBytes = std::size_t{32} * 1024;
 
-/// The LCM type that carries a chunk: `struct tape_t { int64_t utime; int64_t chunk; int32_t size; byte
-/// data[size]; }`.
-inline constexpr std::string_view kTapeChannel = "SLAMSENSOR_TAPE";
-inline constexpr std::uint64_t kTapeFingerprint =
-    lcm_fingerprint({{"utime", "int64_t", ""},
-                     {"chunk", "int64_t", ""},
-                     {"size", "int32_t", ""},
-                     {"data", "byte", "size", LcmArray::ByMember}});
+/// A piece of tape: whole operations. Chunks are numbered from 0; one that is missing shows.
+struct TapeChunk {
+  std::uint64_t number = 0;
+  std::uint32_t size = 0;
+  std::array<std::uint8_t, kTapeChunkBytes> data;
 
-/// The LCM type that carries the configuration in force as TOML: `struct text_t { int64_t utime; string text;
-/// }`.
-inline constexpr std::string_view kConfigChannel = "SLAMSENSOR_CONFIG";
-inline constexpr std::uint64_t kTextFingerprint =
-    lcm_fingerprint({{"utime", "int64_t", ""}, {"text", "string", ""}});
+  [[nodiscard]] std::span<const std::uint8_t> bytes() const noexcept { return {data.data(), size}; }
+};
 
 }  // namespace slamsensor::firmware

@@ -1,34 +1,52 @@
 #include "firmware/recording/tape_writer.hpp"
 
+#include <algorithm>
+
 namespace slamsensor::firmware {
 namespace {
 
-// A step may go on past the length at which a chunk is due: room for what one step of all links can carry.
-constexpr std::size_t kCapacity = kTapeChunkBytes + 16 * kTapeBytesMax;
-constexpr std::size_t kNumbersMax = 3 * 10;  // three LEB128 of 64 bits
+constexpr std::size_t kNumberBytesMax = 10;  // of 64 bits, seven to a byte
+constexpr std::size_t kNumbersMax = 4;
+constexpr std::size_t kHeadBytesMax = 1 + kNumbersMax * kNumberBytesMax;
+constexpr std::size_t kEndBytes = 1;
+
+// A loss is told at the start of a chunk, before the operation that begins it.
+static_assert(2 * kHeadBytesMax + kTapeBytesMax + kEndBytes <= kTapeChunkBytes);
+
+constexpr HeadLink kNoLink{};
 
 }  // namespace
 
-TapeWriter::TapeWriter() {
-  chunk_.reserve(kCapacity);
+TapeWriter::TapeWriter(TapeSink& sink) : sink_(sink), chunk_(std::make_unique<TapeChunk>()) {
 }
 
-bool TapeWriter::begin(TapeOp op, std::uint8_t link, std::size_t bytes) noexcept {
-  if (lost_ > 0 || link >= kTapeLinks || bytes > kTapeBytesMax ||
-      chunk_.size() + 1 + kNumbersMax + bytes > kCapacity) {
-    ++lost_;
-    return false;
+void TapeWriter::begin(TapeOp op, HeadLink link, std::size_t bytes) noexcept {
+  if (chunk_->size + kHeadBytesMax + bytes + kEndBytes > kTapeChunkBytes) {
+    hand_out();
   }
-  chunk_.push_back(static_cast<std::uint8_t>((static_cast<unsigned>(op) << 4U) | link));
-  return true;
+  if (lost_ > lost_told_) {
+    put(static_cast<std::uint8_t>(static_cast<unsigned>(TapeOp::Lost) << 4U));
+    number(lost_ - lost_told_);
+    lost_told_ = lost_;
+  }
+  put(static_cast<std::uint8_t>((static_cast<unsigned>(op) << 4U) | static_cast<unsigned>(link)));
+  ++operations_;
+}
+
+void TapeWriter::hand_out() noexcept {
+  lost_ += sink_.take(*chunk_) ? 0 : operations_;
+  ++chunk_->number;
+  chunk_->size = 0;
+  operations_ = 0;
+  is_first_step_ = true;
 }
 
 void TapeWriter::number(std::uint64_t value) noexcept {
   while (value >= 0x80U) {
-    chunk_.push_back(static_cast<std::uint8_t>(value | 0x80U));
+    put(static_cast<std::uint8_t>(value | 0x80U));
     value >>= 7U;
   }
-  chunk_.push_back(static_cast<std::uint8_t>(value));
+  put(static_cast<std::uint8_t>(value));
 }
 
 void TapeWriter::signed_number(std::int64_t value) noexcept {
@@ -36,7 +54,14 @@ void TapeWriter::signed_number(std::int64_t value) noexcept {
 }
 
 void TapeWriter::bytes(std::span<const std::uint8_t> data) noexcept {
-  chunk_.insert(chunk_.end(), data.begin(), data.end());
+  std::copy(data.begin(), data.end(), chunk_->data.begin() + chunk_->size);
+  chunk_->size += static_cast<std::uint32_t>(data.size());
+}
+
+void TapeWriter::state(const TapeLinkState& state) noexcept {
+  number(state.epoch);
+  number(state.is_up ? 1 : 0);
+  number(state.baud);
 }
 
 void TapeWriter::frame(const hal::CanFrame& frame) noexcept {
@@ -45,82 +70,93 @@ void TapeWriter::frame(const hal::CanFrame& frame) noexcept {
   bytes(frame.bytes());
 }
 
+void TapeWriter::open(HeadLink link, const TapeLinkState& link_state) noexcept {
+  begin(TapeOp::Open, link, 0);
+  state(link_state);
+}
+
 void TapeWriter::step(hal::Stamp now) noexcept {
-  if (begin(TapeOp::Step, 0, 0)) {
-    number(static_cast<std::uint64_t>((is_fresh_ ? now : now - now_).count()));
+  begin(TapeOp::Step, kNoLink, 0);
+  const hal::Stamp period = now - now_;
+  if (is_first_step_) {
+    number(static_cast<std::uint64_t>(now.count()));
+  } else {
+    signed_number((period - period_).count());
   }
   now_ = now;
-  is_fresh_ = false;
+  period_ = period;
+  is_first_step_ = false;
 }
 
-void TapeWriter::link_state(std::uint8_t link, std::uint32_t epoch, bool is_up) noexcept {
-  if (begin(TapeOp::LinkState, link, 0)) {
-    number(epoch);
-    number(is_up ? 1 : 0);
-  }
+void TapeWriter::service(HeadLink link, const TapeLinkState& link_state) noexcept {
+  begin(TapeOp::Service, link, 0);
+  state(link_state);
 }
 
-void TapeWriter::read(std::uint8_t link, const hal::ByteRead& result,
+void TapeWriter::after(HeadLink link, const TapeLinkState& link_state) noexcept {
+  begin(TapeOp::After, link, 0);
+  state(link_state);
+}
+
+void TapeWriter::read(HeadLink link, const hal::ByteRead& result,
                       std::span<const std::uint8_t> data) noexcept {
   if (result.status != hal::LinkStatus::Ok) {
-    static_cast<void>(begin(TapeOp::ReadBusy, link, 0));
+    begin(result.status == hal::LinkStatus::Busy ? TapeOp::ReadBusy : TapeOp::ReadDown, link, 0);
     return;
   }
-  if (begin(TapeOp::ReadOk, link, data.size())) {
-    signed_number((result.stamp - now_).count());
-    number(data.size());
-    bytes(data);
-  }
+  const auto kept = data.first(std::min(data.size(), kTapeBytesMax));
+  begin(TapeOp::ReadOk, link, kept.size());
+  signed_number((result.stamp - now_).count());
+  number(kept.size());
+  bytes(kept);
 }
 
-void TapeWriter::read_down(std::uint8_t link, std::uint32_t epoch, bool is_up) noexcept {
-  if (begin(TapeOp::ReadDown, link, 0)) {
-    number(epoch);
-    number(is_up ? 1 : 0);
-  }
+void TapeWriter::write(HeadLink link, hal::LinkStatus status, std::span<const std::uint8_t> data) noexcept {
+  const auto kept = data.first(std::min(data.size(), kTapeBytesMax));
+  begin(TapeOp::Write, link, kept.size());
+  number(static_cast<std::uint64_t>(status));
+  number(kept.size());
+  bytes(kept);
 }
 
-void TapeWriter::write(std::uint8_t link, hal::LinkStatus status,
-                       std::span<const std::uint8_t> data) noexcept {
-  if (begin(TapeOp::Write, link, data.size())) {
-    number(static_cast<std::uint64_t>(status));
-    number(data.size());
-    bytes(data);
-  }
+void TapeWriter::set_baud(HeadLink link, hal::LinkStatus status, std::uint32_t baud) noexcept {
+  begin(TapeOp::SetBaud, link, 0);
+  number(static_cast<std::uint64_t>(status));
+  number(baud);
 }
 
-void TapeWriter::set_baud(std::uint8_t link, hal::LinkStatus status, std::uint32_t baud) noexcept {
-  if (begin(TapeOp::SetBaud, link, 0)) {
-    number(static_cast<std::uint64_t>(status));
-    number(baud);
-  }
+void TapeWriter::discard(HeadLink link) noexcept {
+  begin(TapeOp::Discard, link, 0);
 }
 
-void TapeWriter::discard(std::uint8_t link) noexcept {
-  static_cast<void>(begin(TapeOp::Discard, link, 0));
-}
-
-void TapeWriter::can_receive(std::uint8_t link, const hal::CanRead& result) noexcept {
+void TapeWriter::can_receive(HeadLink link, const hal::CanRead& result) noexcept {
   if (result.status != hal::LinkStatus::Ok) {
-    static_cast<void>(begin(TapeOp::ReadBusy, link, 0));
+    begin(result.status == hal::LinkStatus::Busy ? TapeOp::ReadBusy : TapeOp::ReadDown, link, 0);
     return;
   }
-  if (begin(TapeOp::CanReceive, link, result.frame.bytes().size())) {
-    signed_number((result.stamp - now_).count());
-    frame(result.frame);
-  }
+  begin(TapeOp::CanReceive, link, result.frame.bytes().size());
+  signed_number((result.stamp - now_).count());
+  frame(result.frame);
 }
 
-void TapeWriter::can_send(std::uint8_t link, hal::LinkStatus status, const hal::CanFrame& sent) noexcept {
-  if (begin(TapeOp::CanSend, link, sent.bytes().size())) {
-    number(static_cast<std::uint64_t>(status));
-    frame(sent);
-  }
+void TapeWriter::can_send(HeadLink link, hal::LinkStatus status, const hal::CanFrame& sent) noexcept {
+  begin(TapeOp::CanSend, link, sent.bytes().size());
+  number(static_cast<std::uint64_t>(status));
+  frame(sent);
 }
 
-void TapeWriter::clear() noexcept {
-  chunk_.clear();
-  is_fresh_ = true;
+void TapeWriter::command(TapeCommand what, std::uint64_t argument) noexcept {
+  begin(TapeOp::Command, kNoLink, 0);
+  number(static_cast<std::uint64_t>(what));
+  number(argument);
+}
+
+bool TapeWriter::finish() noexcept {
+  if (!has_ended_) {
+    begin(TapeOp::End, kNoLink, 0);
+    has_ended_ = true;
+  }
+  return sink_.take(*chunk_);
 }
 
 }  // namespace slamsensor::firmware

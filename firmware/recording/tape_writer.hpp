@@ -1,53 +1,67 @@
 #pragma once
 
-#include "firmware/recording/tape_format.hpp"
+#include "firmware/recording/tape_sink.hpp"
 
+#include <cstdint>
+#include <memory>
 #include <span>
-#include <vector>
 
 namespace slamsensor::firmware {
 
-/// Writes a tape into a buffer that is taken at construction; nothing is allocated later. One thread.
+/// Writes one tape, chunk by chunk, into a sink. Its memory is taken at construction. A chunk that the sink
+/// refuses is lost, counted, and told at the start of the next one. One thread.
 class TapeWriter {
  public:
-  TapeWriter();
+  /// `sink` outlives the writer.
+  explicit TapeWriter(TapeSink& sink);
 
-  /// The next operations belong to the step at `now`.
+  /// `link` stands like this before its driver is made.
+  void open(HeadLink link, const TapeLinkState& state) noexcept;
+
+  /// The operations that follow belong to the step at `now`, which never decreases.
   void step(hal::Stamp now) noexcept;
 
-  void link_state(std::uint8_t link, std::uint32_t epoch, bool is_up) noexcept;
-  void read(std::uint8_t link, const hal::ByteRead& result, std::span<const std::uint8_t> bytes) noexcept;
-  void read_down(std::uint8_t link, std::uint32_t epoch, bool is_up) noexcept;
-  void write(std::uint8_t link, hal::LinkStatus status, std::span<const std::uint8_t> bytes) noexcept;
-  void set_baud(std::uint8_t link, hal::LinkStatus status, std::uint32_t baud) noexcept;
-  void discard(std::uint8_t link) noexcept;
-  void can_receive(std::uint8_t link, const hal::CanRead& result) noexcept;
-  void can_send(std::uint8_t link, hal::LinkStatus status, const hal::CanFrame& frame) noexcept;
+  void service(HeadLink link, const TapeLinkState& state) noexcept;
+  void after(HeadLink link, const TapeLinkState& state) noexcept;
 
-  /// True when the chunk is long enough to be taken away; ask before each step.
-  [[nodiscard]] bool is_due() const noexcept { return chunk_.size() >= kTapeChunkBytes; }
+  /// `data` is what was read, of at most kTapeBytesMax bytes; empty unless the status is Ok.
+  void read(HeadLink link, const hal::ByteRead& result, std::span<const std::uint8_t> data) noexcept;
+  void write(HeadLink link, hal::LinkStatus status, std::span<const std::uint8_t> data) noexcept;
+  void set_baud(HeadLink link, hal::LinkStatus status, std::uint32_t baud) noexcept;
+  void discard(HeadLink link) noexcept;
+  void can_receive(HeadLink link, const hal::CanRead& result) noexcept;
+  void can_send(HeadLink link, hal::LinkStatus status, const hal::CanFrame& frame) noexcept;
 
-  /// What was written since the last clear().
-  [[nodiscard]] std::span<const std::uint8_t> chunk() const noexcept { return chunk_; }
+  /// `what` is told to the scan head between the step before and the next.
+  void command(TapeCommand what, std::uint64_t argument = 0) noexcept;
 
-  /// Begins a new chunk; its first step tells its full time.
-  void clear() noexcept;
+  /// Ends the tape and hands its last chunk out; false when the sink has no room: try again. Nothing may be
+  /// written afterwards.
+  [[nodiscard]] bool finish() noexcept;
 
-  /// Operations that found no room: from there on the tape cannot be played.
+  /// Operations that were lost: from the first of them on the tape cannot be played.
   [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
 
  private:
-  /// Room for an operation with `bytes` bytes behind its numbers; counts a loss when there is none.
-  [[nodiscard]] bool begin(TapeOp op, std::uint8_t link, std::size_t bytes) noexcept;
+  /// Makes room for an operation with `bytes` bytes behind its numbers, and begins it.
+  void begin(TapeOp op, HeadLink link, std::size_t bytes) noexcept;
+  void hand_out() noexcept;
+  void put(std::uint8_t byte) noexcept { chunk_->data[chunk_->size++] = byte; }
   void number(std::uint64_t value) noexcept;
   void signed_number(std::int64_t value) noexcept;
   void bytes(std::span<const std::uint8_t> data) noexcept;
+  void state(const TapeLinkState& state) noexcept;
   void frame(const hal::CanFrame& frame) noexcept;
 
-  std::vector<std::uint8_t> chunk_;
-  hal::Stamp now_{};
-  bool is_fresh_ = true;
+  TapeSink& sink_;
+  std::unique_ptr<TapeChunk> chunk_;
+  std::uint64_t operations_ = 0;  // in chunk_
   std::uint64_t lost_ = 0;
+  std::uint64_t lost_told_ = 0;
+  hal::Stamp now_{};
+  hal::Stamp period_{};  // between the last two steps
+  bool is_first_step_ = true;
+  bool has_ended_ = false;
 };
 
 }  // namespace slamsensor::firmware

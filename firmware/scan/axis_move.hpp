@@ -29,6 +29,7 @@ class AxisMove {
   AxisMoveState step(hal::PanTilt& unit, hal::Stamp now) noexcept;
 
   [[nodiscard]] AxisMoveState state() const noexcept { return state_; }
+  [[nodiscard]] double target_rad() const noexcept { return target_rad_; }
 
  private:
   void ask(hal::PanTilt& unit, hal::Stamp now) noexcept;

@@ -11,6 +11,7 @@ inline constexpr double kPaperStep_rad = std::numbers::pi / 3500.0;
 enum class ScanMode : std::uint8_t {
   Continuous,  ///< one scan after the other
   Single,      ///< one scan for each request
+  OneShot,     ///< one scan when this mode begins, then one for each request
 };
 
 /// What is swept and how (PanTilt and Rangefinder do it). Defaults: experiments I and II of the paper, 51
@@ -23,7 +24,7 @@ struct ScanConfig {
   double tilt_step_rad = 10.0 * kPaperStep_rad;       ///< [0.001, 90] deg: 0.514
   double pan_speed_radps = 1000.0 * kPaperStep_rad;   ///< [0.1, 1000] deg/s: 51.43
   double tilt_speed_radps = 1000.0 * kPaperStep_rad;  ///< [0.1, 1000] deg/s: 51.43
-  ScanMode mode = ScanMode::Continuous;               ///< continuous, single
+  ScanMode mode = ScanMode::Continuous;               ///< continuous, single, one_shot
   std::uint32_t calibration_lines = 4;                ///< [0, 100], even: swept at start-up at one tilt
   double calibration_tilt_rad = 0.0;                  ///< [-90, 90] deg: where they are swept
   double settle_s = 0.05;                             ///< [0, 10] from the arrival of both axes to the sweep
@@ -67,6 +68,26 @@ struct LatencyConfig {
   double departure_min_s = 0.0002;  ///< [0, 0.1] s: ... if it is off by this at least
   std::uint32_t confirmations = 3;  ///< [1, 100] departures in a row that agree, until they are believed
   double drift_sigma_s = 2e-5;      ///< [0, 0.01] s: 1 sigma by which the latency may change in a scan
+};
+
+/// How a scan is recognised that was not made from one place, because the carrier moved meanwhile.
+struct MotionConfig {
+  bool enabled = true;           ///< false: every scan is taken for one made at rest
+  double distance_min_m = 0.15;  ///< [0.01, 10] m: a move that is shorter, and ...
+  double angle_min_rad = 0.015;  ///< [0.001, 1] rad ([0.06, 57] deg): ... a turn that is less, are let pass
+  double sigmas = 6.0;           ///< [3, 100] standard deviations that a move must be sure by
+  double range_max_m = 100.0;    ///< [5, 1000] m: what is farther is not looked at
+  double lost_share_min = 0.6;   ///< [0.1, 1] of what stood for some lines: so much of it has to be gone
+  std::uint32_t things_min = 6;  ///< [3, 100] things that a judgement needs at least
+  double coherent_share_min = 0.5;  ///< [0, 1] of what a line sees: so much the lines before must have seen
+};
+
+/// All that leads a scan.
+struct SensorHeadConfig {
+  ScanConfig scan;
+  PanFitConfig pan_fit;
+  LatencyConfig latency;
+  MotionConfig motion;
 };
 
 }  // namespace slamsensor::firmware

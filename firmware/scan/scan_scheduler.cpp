@@ -1,9 +1,14 @@
 #include "firmware/scan/scan_scheduler.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 namespace slamsensor::firmware {
 namespace {
+
+constexpr double kPushedSteps = 2.5;  // a resting axis is polled to within one position
 
 constexpr SchedulerEvent event_of(ScanAbort reason) noexcept {
   return static_cast<SchedulerEvent>(static_cast<std::uint8_t>(SchedulerEvent::AbortedPanTiltLost) +
@@ -20,8 +25,50 @@ ScanScheduler::ScanScheduler(hal::PanTilt& pan_tilt, const hal::Rangefinder& ran
       calibrated_(config.calibration_lines == 0),
       counters_({"scans_finished", "calibrations_finished", "scans_aborted_pan_tilt_lost",
                  "scans_aborted_rangefinder_lost", "scans_aborted_move_refused", "scans_aborted_pan_stalled",
-                 "scans_aborted_tilt_stalled", "scans_aborted_lines_rejected", "plans_refused",
-                 "lines_swept"}) {
+                 "scans_aborted_tilt_stalled", "scans_aborted_lines_rejected", "scans_aborted_head_moved",
+                 "scans_aborted_carrier_moved", "scans_aborted_held", "scans_aborted_cancelled",
+                 "plans_refused", "lines_swept", "holds_begun", "requests_joined", "requests_cancelled"}) {
+  set_mode(config.mode);
+}
+
+void ScanScheduler::request_scan() noexcept {
+  if (requested_) {
+    counters_.count(SchedulerEvent::RequestsJoined);
+  }
+  requested_ = true;
+}
+
+void ScanScheduler::set_mode(ScanMode mode) noexcept {
+  config_.mode = mode;
+  if (mode == ScanMode::OneShot) {
+    request_scan();
+  }
+}
+
+void ScanScheduler::abort_scan() noexcept {
+  cancelled_ = state_ != SchedulerState::Waiting;
+  if (requested_ || serves_request_) {
+    counters_.count(SchedulerEvent::RequestsCancelled);
+  }
+  requested_ = serves_request_ = false;
+}
+
+void ScanScheduler::hold(HoldReason reason) noexcept {
+  if (!held()) {
+    counters_.count(SchedulerEvent::HoldsBegun);
+    halt_due_ = true;
+  }
+  holds_[static_cast<std::size_t>(reason)] = true;
+}
+
+void ScanScheduler::release(HoldReason reason) noexcept {
+  holds_[static_cast<std::size_t>(reason)] = false;
+}
+
+std::optional<HoldReason> ScanScheduler::held() const noexcept {
+  const auto* const found = std::find(holds_.begin(), holds_.end(), true);
+  return found == holds_.end() ? std::nullopt
+                               : std::optional(static_cast<HoldReason>(std::distance(holds_.begin(), found)));
 }
 
 SchedulerAction ScanScheduler::step(hal::Stamp now, const SchedulerGates& gates) noexcept {
@@ -47,8 +94,9 @@ SchedulerAction ScanScheduler::step(hal::Stamp now, const SchedulerGates& gates)
 }
 
 SchedulerAction ScanScheduler::wait(hal::Stamp now) noexcept {
+  halt();
   const bool wanted = config_.mode == ScanMode::Continuous || requested_;
-  if (!wanted || now < until_ || pan_tilt_.state() != hal::DeviceState::Ready ||
+  if (!wanted || held() || now < until_ || pan_tilt_.state() != hal::DeviceState::Ready ||
       rangefinder_.state() != hal::DeviceState::Ready) {
     return SchedulerAction::None;
   }
@@ -59,7 +107,11 @@ SchedulerAction ScanScheduler::wait(hal::Stamp now) noexcept {
   const double pan_rad = pan_tilt_.axis(hal::Axis::Pan).position_rad;
   first_leftwards_ = std::abs(pan_rad - plan_.pan_min_rad) <= std::abs(pan_rad - plan_.pan_max_rad);
   lines_rejected_ = 0;
+  carrier_moved_ = cancelled_ = false;
   pass_ = calibrated_ ? ScanPass::Scan : ScanPass::Calibration;
+  if (pass_ == ScanPass::Scan) {
+    serves_request_ = std::exchange(requested_, false);
+  }
   begin_line(0);
   return SchedulerAction::PassBegun;
 }
@@ -129,7 +181,7 @@ SchedulerAction ScanScheduler::finish(hal::Stamp now, const SchedulerGates& gate
     calibrated_ = true;
   } else {
     counters_.count(SchedulerEvent::ScansFinished);
-    requested_ = false;
+    serves_request_ = false;
   }
   until_ = now;
   state_ = SchedulerState::Waiting;
@@ -143,6 +195,12 @@ std::optional<ScanAbort> ScanScheduler::find_abort() const noexcept {
   if (rangefinder_.state() != hal::DeviceState::Ready) {
     return ScanAbort::RangefinderLost;
   }
+  if (held()) {
+    return ScanAbort::Held;
+  }
+  if (cancelled_) {
+    return ScanAbort::Cancelled;
+  }
   if (pan_.state() == AxisMoveState::Refused || tilt_.state() == AxisMoveState::Refused) {
     return ScanAbort::MoveRefused;
   }
@@ -152,21 +210,44 @@ std::optional<ScanAbort> ScanScheduler::find_abort() const noexcept {
   if (tilt_.state() == AxisMoveState::Stalled) {
     return ScanAbort::TiltStalled;
   }
+  if (rests_elsewhere()) {
+    return ScanAbort::HeadMoved;
+  }
+  if (pass_ == ScanPass::Scan && carrier_moved_) {
+    return ScanAbort::CarrierMoved;
+  }
   if (pass_ == ScanPass::Scan && lines_rejected_ > config_.lines_rejected_max_share * plan_.lines) {
     return ScanAbort::LinesRejected;
   }
   return std::nullopt;
 }
 
+/// Whether an axis that had arrived is not there any more.
+bool ScanScheduler::rests_elsewhere() const noexcept {
+  const auto is_off = [this](const AxisMove& move, hal::Axis axis, double resolution_rad) {
+    const double off_rad = pan_tilt_.axis(axis).position_rad - move.target_rad();
+    return move.state() == AxisMoveState::Arrived && std::abs(off_rad) > kPushedSteps * resolution_rad;
+  };
+  return is_off(pan_, hal::Axis::Pan, plan_.pan_resolution_rad) ||
+         is_off(tilt_, hal::Axis::Tilt, plan_.tilt_resolution_rad);
+}
+
 SchedulerAction ScanScheduler::abort(ScanAbort reason, hal::Stamp now) noexcept {
-  if (pan_tilt_.state() == hal::DeviceState::Ready) {
-    (void)pan_tilt_.halt();  // refused only when the unit has just been lost
-  }
   abort_reason_ = reason;
   counters_.count(event_of(reason));
-  until_ = now + hal::from_seconds(config_.retry_s);
+  requested_ = requested_ || std::exchange(serves_request_, false);
+  until_ = reason == ScanAbort::Held ? now : now + hal::from_seconds(config_.retry_s);
   state_ = SchedulerState::Waiting;
+  halt_due_ = true;
+  halt();
   return SchedulerAction::PassAborted;
+}
+
+/// Until the unit has taken it. One that is not Ready moves nothing of its own; its next pass begins anew.
+void ScanScheduler::halt() noexcept {
+  if (halt_due_) {
+    halt_due_ = pan_tilt_.state() == hal::DeviceState::Ready && pan_tilt_.halt() == hal::MoveStatus::Busy;
+  }
 }
 
 std::uint32_t ScanScheduler::line_count() const noexcept {

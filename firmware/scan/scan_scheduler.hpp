@@ -1,12 +1,14 @@
 #pragma once
 
 #include "firmware/scan/axis_move.hpp"
+#include "firmware/scan/scan_abort.hpp"
 #include "firmware/scan/scan_config.hpp"
 #include "firmware/scan/scan_plan.hpp"
 #include "hal/counters.hpp"
 #include "hal/pantilt/pan_tilt.hpp"
 #include "hal/rangefinder/rangefinder.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -29,16 +31,6 @@ enum class ScanPass : std::uint8_t {
   Scan,
 };
 
-/// Why a pass was ended before its end.
-enum class ScanAbort : std::uint8_t {
-  PanTiltLost,
-  RangefinderLost,
-  MoveRefused,
-  PanStalled,
-  TiltStalled,
-  LinesRejected,  ///< more than the allowed share of them
-};
-
 /// What happened in a step, at most one thing.
 enum class SchedulerAction : std::uint8_t { None, PassBegun, LineBegun, LineEnded, PassEnded, PassAborted };
 
@@ -51,10 +43,17 @@ enum class SchedulerEvent : std::uint8_t {
   AbortedPanStalled,
   AbortedTiltStalled,
   AbortedLinesRejected,
+  AbortedHeadMoved,
+  AbortedCarrierMoved,
+  AbortedHeld,
+  AbortedCancelled,
   PlansRefused,  ///< see plan_problem()
   LinesSwept,
+  HoldsBegun,         ///< from free to held
+  RequestsJoined,     ///< requests while one was waiting: they get the same scan
+  RequestsCancelled,  ///< by abort_scan()
 };
-inline constexpr std::size_t kSchedulerEvents = 10;
+inline constexpr std::size_t kSchedulerEvents = 17;
 
 /// What a step must know of the other stations.
 struct SchedulerGates {
@@ -63,10 +62,10 @@ struct SchedulerGates {
 };
 
 /// Leads a pan-tilt unit through scans: to the start, a line, a step up, a line back, and on to the last
-/// line; before the first scan the same at one tilt for the latency. A pass is given up when a device leaves
-/// Ready, a move is refused or does not end in time, or too many lines are rejected; it is begun again after
-/// `retry_s`, when both devices are Ready. The plan is made anew for each pass, from what the unit tells
-/// then. No clock, no allocation; one thread.
+/// line; before the first scan the same at one tilt for the latency. A pass is given up for a ScanAbort, the
+/// unit is halted, and it is begun again after `retry_s` (after a hold: at once), when both devices are Ready
+/// and nothing holds it. The plan is made anew for each pass, from what the unit tells then. No clock, no
+/// allocation; one thread.
 class ScanScheduler {
  public:
   /// Both devices outlive this and are stepped by the caller.
@@ -75,11 +74,30 @@ class ScanScheduler {
 
   [[nodiscard]] SchedulerAction step(hal::Stamp now, const SchedulerGates& gates) noexcept;
 
-  /// One more scan, in ScanMode::Single; the calibration pass precedes the first one.
-  void request_scan() noexcept { requested_ = true; }
+  /// One more scan; the calibration pass precedes the first one. In ScanMode::Continuous the next one will
+  /// do. While a scan is under way or cannot be made yet, one request waits; more are joined to it.
+  void request_scan() noexcept;
+  /// From now on; a scan under way is finished. ScanMode::OneShot asks for its scan.
+  void set_mode(ScanMode mode) noexcept;
+  /// The pass under way ends in the next step, and what was requested is forgotten. In ScanMode::Continuous
+  /// the next scan begins after `retry_s`.
+  void abort_scan() noexcept;
+
+  /// No pass goes on or begins from the next step on, until release(): the pass under way is aborted
+  /// (ScanAbort::Held) and the unit halted. A request outlives the hold.
+  void hold(HoldReason reason) noexcept;
+  /// Lifts `reason`; scanning goes on, from a new scan, when no other holds it.
+  void release(HoldReason reason) noexcept;
+  /// The first of the reasons that hold it.
+  [[nodiscard]] std::optional<HoldReason> held() const noexcept;
+
+  /// The scan under way was not made from one place: it is aborted in the next step.
+  void on_carrier_moved() noexcept { carrier_moved_ = true; }
   /// A line of this pass could not be used.
   void on_line_rejected() noexcept { ++lines_rejected_; }
 
+  [[nodiscard]] ScanMode mode() const noexcept { return config_.mode; }
+  [[nodiscard]] bool is_requested() const noexcept { return requested_; }
   [[nodiscard]] SchedulerState state() const noexcept { return state_; }
   [[nodiscard]] ScanPass pass() const noexcept { return pass_; }
   [[nodiscard]] const ScanPlan& plan() const noexcept { return plan_; }
@@ -100,7 +118,9 @@ class ScanScheduler {
   [[nodiscard]] SchedulerAction sweep(hal::Stamp now) noexcept;
   [[nodiscard]] SchedulerAction finish(hal::Stamp now, const SchedulerGates& gates) noexcept;
   [[nodiscard]] std::optional<ScanAbort> find_abort() const noexcept;
+  [[nodiscard]] bool rests_elsewhere() const noexcept;
   [[nodiscard]] SchedulerAction abort(ScanAbort reason, hal::Stamp now) noexcept;
+  void halt() noexcept;
   [[nodiscard]] bool make_plan() noexcept;
   void begin_line(std::uint32_t line) noexcept;
   [[nodiscard]] std::uint32_t line_count() const noexcept;
@@ -124,6 +144,11 @@ class ScanScheduler {
   bool calibrated_;
   bool first_leftwards_ = true;
   bool requested_ = false;
+  bool serves_request_ = false;  // the scan under way
+  bool cancelled_ = false;       // the pass under way, on command
+  bool carrier_moved_ = false;
+  bool halt_due_ = false;
+  std::array<bool, kHoldReasons> holds_{};
   hal::Counters<SchedulerEvent, kSchedulerEvents> counters_;
 };
 

@@ -16,7 +16,8 @@ SensorHead::SensorHead(hal::PanTilt& pan_tilt, hal::Rangefinder& rangefinder, co
       rangefinder_(rangefinder),
       scheduler_(pan_tilt, rangefinder, config.scan),
       assembler_(config.scan, config.pan_fit),
-      calibration_(config.latency, kScanlinesMax) {
+      calibration_(config.latency, kScanlinesMax),
+      motion_(config.motion) {
 }
 
 void SensorHead::step(hal::Stamp now) noexcept {
@@ -43,6 +44,9 @@ std::string_view SensorHead::problem() const noexcept {
   if (rangefinder_.state() != hal::DeviceState::Ready) {
     return rangefinder_.problem();
   }
+  if (const auto reason = scheduler_.held()) {
+    return describe(*reason);
+  }
   const auto& plan_problem = scheduler_.plan_problem();
   return plan_problem ? describe(plan_problem->limit_hit) : std::string_view{};
 }
@@ -58,6 +62,7 @@ void SensorHead::take_samples() noexcept {
   for (std::size_t round = 0; round < kRangeRounds; ++round) {
     const std::size_t count = rangefinder_.take(ranges_);
     assembler_.add(std::span<const hal::RangeSample>(ranges_.data(), count));
+    readings_ += count;
     if (count < ranges_.size()) {
       break;
     }
@@ -85,6 +90,7 @@ void SensorHead::begin_pass() noexcept {
   if (in_scan()) {
     scan_ = {};
     scan_.scan = scans_++;
+    motion_.begin_scan();
     push(ScanBegun{scan_.scan});
   }
 }
@@ -132,6 +138,10 @@ void SensorHead::finish_line(hal::Stamp now) noexcept {
   }
   calibration_.add(**line);
   if (in_scan()) {
+    motion_.add(**line);
+    if (motion_.has_moved()) {
+      scheduler_.on_carrier_moved();
+    }
     hand_out(**line);
   }
 }

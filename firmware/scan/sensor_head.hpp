@@ -1,6 +1,8 @@
 #pragma once
 
 #include "firmware/scan/latency_calibration.hpp"
+#include "firmware/scan/motion_detector.hpp"
+#include "firmware/scan/scan_abort.hpp"
 #include "firmware/scan/scan_assembler.hpp"
 #include "firmware/scan/scan_config.hpp"
 #include "firmware/scan/scan_scheduler.hpp"
@@ -42,12 +44,6 @@ struct ScanAborted {
 
 using HeadEvent = std::variant<ScanBegun, Scanline, ScanEnded, ScanAborted>;
 
-struct SensorHeadConfig {
-  ScanConfig scan;
-  PanFitConfig pan_fit;
-  LatencyConfig latency;
-};
-
 /// A pan-tilt unit and a rangefinder that make scans. The body of the scan thread: whoever steps it supplies
 /// the time, so that the live sensor, an emulated one and a recording run the same code. No clock, no thread;
 /// no allocation after construction.
@@ -63,18 +59,25 @@ class SensorHead {
   /// until the next step, and of what is left lying the newest is dropped and counted.
   [[nodiscard]] std::optional<HeadEvent> take() noexcept;
 
-  /// One more scan, in ScanMode::Single.
+  /// As ScanScheduler says of each.
   void request_scan() noexcept { scheduler_.request_scan(); }
+  void set_mode(ScanMode mode) noexcept { scheduler_.set_mode(mode); }
+  void abort_scan() noexcept { scheduler_.abort_scan(); }
+  void hold(HoldReason reason) noexcept { scheduler_.hold(reason); }
+  void release(HoldReason reason) noexcept { scheduler_.release(reason); }
 
   /// What keeps it from scanning, for a person; empty when nothing does. Lives as long as the program.
   [[nodiscard]] std::string_view problem() const noexcept;
-  /// Of the pass under way or the last one.
+  /// Of the last pass that was aborted; describe() says it in words.
   [[nodiscard]] std::optional<ScanAbort> last_abort() const noexcept { return last_abort_; }
 
   [[nodiscard]] const ScanScheduler& scheduler() const noexcept { return scheduler_; }
   [[nodiscard]] const ScanAssembler& assembler() const noexcept { return assembler_; }
   [[nodiscard]] const LatencyCalibration& calibration() const noexcept { return calibration_; }
+  [[nodiscard]] const MotionDetector& motion() const noexcept { return motion_; }
   [[nodiscard]] const Latency& latency() const noexcept { return calibration_.latency(); }
+  /// What the rangefinder said since construction, echo or none.
+  [[nodiscard]] std::uint64_t readings() const noexcept { return readings_; }
   /// Events that nobody took, since construction.
   [[nodiscard]] std::uint64_t events_dropped() const noexcept { return events_dropped_; }
 
@@ -98,12 +101,14 @@ class SensorHead {
   ScanScheduler scheduler_;
   ScanAssembler assembler_;
   LatencyCalibration calibration_;
+  MotionDetector motion_;
   bool calibration_due_ = false;  // a pass has ended; its last pair may still be at work
   ScanEnded scan_;                // under way
   std::uint32_t scans_ = 0;
   std::optional<ScanAbort> last_abort_;
   hal::Ring<HeadEvent, kEventsMax> events_;
   std::uint64_t events_dropped_ = 0;
+  std::uint64_t readings_ = 0;
   std::array<hal::RangeSample, 512> ranges_;
   std::array<hal::AxisSample, 64> positions_;
 };

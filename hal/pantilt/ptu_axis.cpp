@@ -6,6 +6,9 @@
 namespace slamsensor::hal {
 namespace {
 
+constexpr double kDitherShare = 0.4;                 // of the period of polls: 20 % either way
+constexpr double kDitherStep = 0.61803398874989485;  // golden section: fills 0..1 as evenly as can be
+
 /// The moment in the middle between the command's last byte and the reply's first: the best guess of when the
 /// unit acted on it.
 Stamp acted(const PtuAnswer& answer) noexcept {
@@ -123,7 +126,9 @@ void PtuAxis::on_halted(Stamp now) noexcept {
 }
 
 void PtuAxis::on_poll_sent(Stamp now) noexcept {
-  const Stamp period = from_seconds(1.0 / (track_.resting() ? config_.rest_poll_hz : config_.poll_hz));
+  dither_ += dither_ + kDitherStep < 1.0 ? kDitherStep : kDitherStep - 1.0;
+  const double poll_hz = track_.resting() ? config_.rest_poll_hz : config_.poll_hz;
+  const Stamp period = from_seconds((1.0 + kDitherShare * (dither_ - 0.5)) / poll_hz);
   due_ += period;
   if (due_ <= now) {
     due_ = now + period;

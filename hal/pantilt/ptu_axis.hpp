@@ -49,6 +49,8 @@ class PtuAxis {
 
   /// When the next poll is due.
   [[nodiscard]] Stamp due() const noexcept { return due_; }
+  /// A poll is out. The next ones come at the configured rate on the average, at uneven distances: a steady
+  /// axis is then polled at ever other places between two of its positions, which all round alike otherwise.
   void on_poll_sent(Stamp now) noexcept;
   void poll_again(Stamp now) noexcept { due_ = now; }
 
@@ -84,6 +86,7 @@ class PtuAxis {
   std::int32_t move_speed_ = 0;  // of the move under way
   std::int32_t target_ = 0;      // of the move under way
   Stamp due_{};
+  double dither_ = 0.0;  // 0..1
 };
 
 }  // namespace slamsensor::hal

@@ -64,7 +64,7 @@ bool PtuExchange::send(const PtuCommand& command, Stamp timeout, Stamp now) noex
   const std::size_t reply_max = command.expect() == PtuExpect::Version ? kPtuLineMax : kReplyMax;
   answer_ = {.command = command, .sent = now + on_line_for(size)};
   deadline_ = answer_.sent + timeout + line_time(reply_max, link_.baud());
-  parser_.clear();
+  note(parser_.cut());
   state_ = State::Waiting;
   return true;
 }
@@ -83,15 +83,15 @@ PtuExchange::Notices PtuExchange::take_notices() noexcept {
   return notices;
 }
 
-void PtuExchange::note(const PtuLine& line) noexcept {
-  counters_.count(PtuEvent::LimitReports, line.marks.limits);
-  counters_.count(PtuEvent::TriggerReports, line.marks.triggers);
-  counters_.count(PtuEvent::CableReports, line.marks.cables);
-  notices_.marks += line.marks.limits + line.marks.triggers + line.marks.cables;
+void PtuExchange::note(const PtuMarks& marks) noexcept {
+  counters_.count(PtuEvent::LimitReports, marks.limits);
+  counters_.count(PtuEvent::TriggerReports, marks.triggers);
+  counters_.count(PtuEvent::CableReports, marks.cables);
+  notices_.marks += marks.limits + marks.triggers + marks.cables;
 }
 
 void PtuExchange::on_line(const PtuLine& line) noexcept {
-  note(line);
+  note(line.marks);
   switch (line.kind) {
     case PtuLineKind::Banner:
       on_banner(line);

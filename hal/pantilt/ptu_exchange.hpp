@@ -88,7 +88,7 @@ class PtuExchange {
   void on_banner(const PtuLine& line) noexcept;
   void on_reply(const PtuLine& line) noexcept;
   void on_answer(const PtuLine& line) noexcept;
-  void note(const PtuLine& line) noexcept;
+  void note(const PtuMarks& marks) noexcept;
   void settle(PtuOutcome outcome) noexcept;
   void disturb() noexcept;
   void watch(Stamp now) noexcept;

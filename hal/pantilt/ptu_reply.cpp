@@ -142,6 +142,12 @@ void PtuReplyParser::clear() noexcept {
   marked_ = false;
 }
 
+PtuMarks PtuReplyParser::cut() noexcept {
+  const PtuMarks marks = in_line() ? finish().marks : PtuMarks{};
+  clear();
+  return marks;
+}
+
 PtuLine PtuReplyParser::finish() noexcept {
   PtuLine line;
   if (overlong_) {

@@ -49,6 +49,9 @@ class PtuReplyParser {
   /// Forgets an unfinished line.
   void clear() noexcept;
 
+  /// Forgets an unfinished line but for the marks in it: they come without a line end.
+  [[nodiscard]] PtuMarks cut() noexcept;
+
   [[nodiscard]] bool in_line() const noexcept { return size_ > 0 || overlong_; }
 
  private:

@@ -17,6 +17,7 @@ constexpr std::uint32_t kSettlesMax = 5;  // a unit may not know how to be silen
 constexpr std::uint32_t kResetsMax = 2;
 constexpr Stamp kRestPoll = std::chrono::milliseconds(100);
 constexpr Stamp kLimitsQuiet = std::chrono::seconds(1);
+constexpr Stamp kUnseen = std::chrono::milliseconds(1500);  // no reset, with its four ways, is that short
 
 }  // namespace
 
@@ -114,6 +115,9 @@ void PtuStartup::heed(const PtuExchange::Notices& notices, Stamp now) noexcept {
     limit_ = now;
     rest_.disturb();
   }
+  if (notices.marks > 0 || notices.banner) {
+    reset_done_ = false;  // after ours it resets once more, and nobody knows how that goes
+  }
   if (notices.banner) {
     finder_.await_reset(now);
     enter(Phase::Finding, now);
@@ -157,6 +161,10 @@ std::optional<PtuCommand> PtuStartup::next_command() const noexcept {
 }
 
 void PtuStartup::on_answer(const PtuAnswer& answer, Stamp now) noexcept {
+  if (answer.outcome == PtuOutcome::Done) {
+    reset_done_ = reset_done_ && now < seen_ + kUnseen;
+    seen_ = now;
+  }
   switch (phase_) {
     case Phase::Finding:
       finder_.on_answer(answer, now);

@@ -98,7 +98,8 @@ class PtuStartup {
   std::uint32_t resets_ = 0;
   std::uint32_t settled_again_ = 0;
   bool reset_wanted_ = false;
-  bool reset_done_ = false;
+  Stamp seen_{};             // its last answer
+  bool reset_done_ = false;  // and neither another one nor a time unseen since
   bool is_away_ = false;
 };
 

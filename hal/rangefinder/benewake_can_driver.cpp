@@ -12,8 +12,7 @@ namespace {
 using Step = BenewakeScript::Step;
 
 constexpr std::size_t kFramesPerStep = 512;  // 40 ms of a full bus at 1 Mbit/s
-constexpr std::size_t kReadingBytes = 4;
-constexpr std::uint32_t kFrameBits = 44;  // of a standard frame without data and stuffing
+constexpr std::uint32_t kFrameBits = 44;     // of a standard frame without data and stuffing
 constexpr std::uint32_t kStandardIdMax = 0x7FF;
 constexpr std::uint32_t kExtendedIdMax = 0x1FFFFFFF;
 
@@ -85,15 +84,13 @@ void BenewakeCanDriver::on_frame(const CanFrame& frame, Stamp stamp, Stamp now) 
     return;
   }
   const auto bytes = frame.bytes();
-  if (bytes.size() < kReadingBytes) {
+  const auto reading = read_benewake_can(bytes);
+  if (!reading) {
     counters_.count(RangeEvent::LengthsRefused);
     return;
   }
-  const BenewakeReading reading = {static_cast<std::uint16_t>(bytes[0] | bytes[1] << 8),
-                                   static_cast<std::uint16_t>(bytes[2] | bytes[3] << 8),
-                                   bytes.size() > kReadingBytes ? bytes[4] : std::uint8_t{0}};
   const std::array block = {
-      judged(measured(reading, product_, config_.device.over_range_cm), Strength::Known, config())};
+      judged(measured(*reading, product_, config_.device.over_range_cm), Strength::Known, config())};
   const double bits = kFrameBits + 8.0 * static_cast<double>(bytes.size());
   deliver(block, stamp - from_seconds(bits / config_.bitrate), now);
 }
@@ -103,15 +100,11 @@ bool BenewakeCanDriver::is_reply(const CanFrame& frame, Stamp now) noexcept {
   if (dialogue_.state() == DeviceState::Ready || config_.commands == BenewakeCanConfig::Commands::None) {
     return false;
   }
-  auto bytes = frame.bytes();
-  if (bytes.size() < kBenewakeCommandMin || bytes[1] > bytes.size()) {
+  const auto reply = benewake_reply_in(frame.bytes());
+  if (reply.empty()) {
     return false;
   }
-  bytes = bytes.first(bytes[1]);  // the rest of the frame is padding
-  if (!is_benewake_command(bytes)) {
-    return false;
-  }
-  switch (script_.judge(bytes)) {
+  switch (script_.judge(reply)) {
     case BenewakeScript::Verdict::Answered:
       dialogue_.answered(now);
       return true;

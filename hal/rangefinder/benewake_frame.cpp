@@ -32,6 +32,24 @@ bool is_benewake_command(std::span<const std::uint8_t> bytes) noexcept {
          benewake_checksum(bytes.first(bytes.size() - 1)) == bytes.back();
 }
 
+std::optional<BenewakeReading> read_benewake_can(std::span<const std::uint8_t> data) noexcept {
+  constexpr std::size_t kReadingBytes = 4;
+  if (data.size() < kReadingBytes) {
+    return std::nullopt;
+  }
+  return BenewakeReading{static_cast<std::uint16_t>(data[0] | data[1] << 8),
+                         static_cast<std::uint16_t>(data[2] | data[3] << 8),
+                         data.size() > kReadingBytes ? data[4] : std::uint8_t{0}};
+}
+
+std::span<const std::uint8_t> benewake_reply_in(std::span<const std::uint8_t> data) noexcept {
+  if (data.size() < kBenewakeCommandMin || data[1] > data.size()) {
+    return {};
+  }
+  const auto reply = data.first(data[1]);
+  return is_benewake_command(reply) ? reply : std::span<const std::uint8_t>{};
+}
+
 BenewakeParser::Found BenewakeParser::push(std::uint8_t byte) noexcept {
   std::copy(tail_.begin() + 1, tail_.end(), tail_.begin());
   tail_.back() = byte;
@@ -49,27 +67,53 @@ bool BenewakeParser::is_frame_at(std::size_t at) const noexcept {
          benewake_checksum(frame.first(kBenewakeFrame - 1)) == frame.back();
 }
 
+/// Whether what begins at `at` can be a frame or a reply.
+BenewakeParser::Successor BenewakeParser::successor(std::size_t at) const noexcept {
+  if (size_ <= at) {
+    return Successor::Awaited;
+  }
+  if (bytes_[at] != kBenewakeData && bytes_[at] != kBenewakeCommand) {
+    return Successor::Foreign;
+  }
+  if (size_ == at + 1) {
+    return Successor::Awaited;
+  }
+  const std::uint8_t second = bytes_[at + 1];
+  const bool fits = bytes_[at] == kBenewakeData
+                        ? second == kBenewakeData
+                        : second >= kBenewakeCommandMin && second <= kBenewakeCommandMax;
+  return fits ? Successor::Fits : Successor::Foreign;
+}
+
 /// In step with the device: what follows must be a frame or a reply.
 bool BenewakeParser::follow() noexcept {
   if (!is_locked_) {
     return false;
   }
-  if (bytes_[0] == kBenewakeCommand) {
-    if (size_ < 2) {
+  switch (successor(0)) {
+    case Successor::Awaited:
       return false;
-    }
-    const std::size_t size = bytes_[1];
-    if (size < kBenewakeCommandMin || size > kBenewakeCommandMax) {
+    case Successor::Foreign:
       lose();
-    } else if (size_ >= size) {
-      is_benewake_command(std::span(bytes_).first(size)) ? drop(size) : lose();
-    }
+      return false;
+    case Successor::Fits:
+      break;
+  }
+  if (bytes_[0] == kBenewakeCommand) {
+    follow_reply();
     return false;
   }
-  if (bytes_[0] != kBenewakeData || (size_ > 1 && bytes_[1] != kBenewakeData)) {
-    lose();
-    return false;
+  return follow_frame();
+}
+
+void BenewakeParser::follow_reply() noexcept {
+  const std::size_t size = bytes_[1];
+  if (size_ >= size) {
+    is_benewake_command(std::span(bytes_).first(size)) ? drop(size) : lose();
   }
+}
+
+bool BenewakeParser::follow_frame() noexcept {
   if (size_ < kBenewakeFrame) {
     return false;
   }
@@ -78,8 +122,27 @@ bool BenewakeParser::follow() noexcept {
     lose();
     return false;
   }
+  switch (successor(kBenewakeFrame)) {
+    case Successor::Awaited:
+      return false;
+    case Successor::Foreign:
+      counters_.count(RangeEvent::RecordsRefused);
+      lose();
+      return false;
+    case Successor::Fits:
+      break;
+  }
   take_frame(0);
   return true;
+}
+
+BenewakeParser::Found BenewakeParser::pause() noexcept {
+  Found found;
+  if (is_locked_ && size_ == kBenewakeFrame && is_frame_at(0)) {
+    take_frame(0);
+    found.has_reading = true;
+  }
+  return found;
 }
 
 bool BenewakeParser::search() noexcept {
@@ -98,7 +161,8 @@ bool BenewakeParser::search() noexcept {
     if (size_ < kSearch) {
       return false;
     }
-    if (!is_frame_at(kBenewakeFrame) || is_ambiguous()) {
+    const bool fits = is_frame_at(kBenewakeFrame) && successor(2 * kBenewakeFrame) == Successor::Fits;
+    if (!fits || is_ambiguous()) {
       skip_byte();
       continue;
     }

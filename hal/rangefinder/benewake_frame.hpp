@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 namespace slamsensor::hal {
@@ -28,8 +29,16 @@ inline constexpr std::size_t kBenewakeCommandMax = 16;
 /// Whether `bytes` are one whole command frame.
 [[nodiscard]] bool is_benewake_command(std::span<const std::uint8_t> bytes) noexcept;
 
-/// Finds data frames and replies in a stream of bytes. The checksum is weak (of noise behind 59 59 one frame
-/// in 256 passes), so after any loss a frame counts only when two fit end to end at one place and no other.
+/// The reading in the data of a CAN frame (TF03 manual): distance, strength, and where there are more bytes
+/// the one that follows; nothing when it is too short.
+[[nodiscard]] std::optional<BenewakeReading> read_benewake_can(std::span<const std::uint8_t> data) noexcept;
+
+/// The reply that the data of a CAN frame begin with, without the padding behind it; empty when they do not.
+[[nodiscard]] std::span<const std::uint8_t> benewake_reply_in(std::span<const std::uint8_t> data) noexcept;
+
+/// Finds data frames and replies in a stream of bytes. The checksum is weak: of nine bytes that a lost or
+/// doubled one has shifted, one in 256 passes. So a frame counts only when the next frame or reply begins
+/// right behind it, and after any loss only when two fit end to end at one place and no other.
 class BenewakeParser {
  public:
   struct Found {
@@ -42,7 +51,11 @@ class BenewakeParser {
   /// Takes the next byte of the stream.
   [[nodiscard]] Found push(std::uint8_t byte) noexcept;
 
-  /// Of the last push that found a reading: it, and the place in the stream after it.
+  /// No byte has come for longer than a frame of the device can be torn apart: a whole frame that only waits
+  /// for what follows is found now.
+  [[nodiscard]] Found pause() noexcept;
+
+  /// Of the last push or pause that found a reading: it, and the place in the stream after it.
   [[nodiscard]] const BenewakeReading& reading() const noexcept { return reading_; }
   [[nodiscard]] std::uint64_t reading_end() const noexcept { return reading_end_; }
   /// Of the last push that found a reply: the whole frame.
@@ -51,9 +64,14 @@ class BenewakeParser {
   }
 
  private:
+  enum class Successor : std::uint8_t { Awaited, Fits, Foreign };
+
   [[nodiscard]] bool is_frame_at(std::size_t at) const noexcept;
+  [[nodiscard]] Successor successor(std::size_t at) const noexcept;
   [[nodiscard]] bool is_ambiguous() const noexcept;
   [[nodiscard]] bool follow() noexcept;
+  [[nodiscard]] bool follow_frame() noexcept;
+  void follow_reply() noexcept;
   [[nodiscard]] bool search() noexcept;
   [[nodiscard]] bool find_reply() noexcept;
   void take_frame(std::size_t at) noexcept;

@@ -34,7 +34,8 @@ class BenewakeSerialDriver final : public SerialRangeDriver {
   StepKind compose(unsigned step, Request& into) noexcept override;
   unsigned resume_step() const noexcept override { return static_cast<unsigned>(Step::Rate); }
   void on_byte(std::uint8_t byte, Stamp now) noexcept override;
-  void on_pause(Stamp) noexcept override {}
+  void on_pause(Stamp now) noexcept override;
+  void on_reading(Stamp now) noexcept;
   void on_reply(Stamp now) noexcept;
   [[nodiscard]] std::uint32_t wanted_baud() const noexcept;
   [[nodiscard]] bool is_line_fast_enough() const noexcept;
@@ -75,11 +76,23 @@ void BenewakeSerialDriver::on_byte(std::uint8_t byte, Stamp now) noexcept {
     on_reply(now);
   }
   if (found.has_reading) {
-    const Strength strength = config_.device.rate_hz > kStrengthUpToHz ? Strength::Unknown : Strength::Known;
-    const Measurement raw = measured(parser_.reading(), product_, config_.device.over_range_cm);
-    const std::array block = {judged(raw, strength, config())};
-    deliver_record(block, parser_.reading_end() - kBenewakeFrame, parser_.reading_end(), now);
+    on_reading(now);
   }
+}
+
+/// Where the next frame is due before a pause is one, a pause is a disturbance, and what was cut off by it is
+/// not believed until the next frame shows that it was whole.
+void BenewakeSerialDriver::on_pause(Stamp now) noexcept {
+  if (from_seconds(1.0 / config_.device.rate_hz) >= kPause && parser_.pause().has_reading) {
+    on_reading(now);
+  }
+}
+
+void BenewakeSerialDriver::on_reading(Stamp now) noexcept {
+  const Strength strength = config_.device.rate_hz > kStrengthUpToHz ? Strength::Unknown : Strength::Known;
+  const Measurement raw = measured(parser_.reading(), product_, config_.device.over_range_cm);
+  const std::array block = {judged(raw, strength, config())};
+  deliver_record(block, parser_.reading_end() - kBenewakeFrame, parser_.reading_end(), now);
 }
 
 void BenewakeSerialDriver::on_reply(Stamp now) noexcept {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 
 namespace slamsensor::hal {
@@ -20,6 +21,7 @@ class LwnxDriver final : public SerialRangeDriver {
  public:
   LwnxDriver(const LwnxConfig& config, ByteLink& link) noexcept
       : SerialRangeDriver(link, rates_from(config.baud, kLikelyBauds), config.range),
+        limits_(config.range),
         wanted_baud_(config.baud),
         script_(config) {}
 
@@ -39,6 +41,7 @@ class LwnxDriver final : public SerialRangeDriver {
   void on_reply(const LwnxPacket& packet, Stamp now) noexcept;
   void on_readings(const LwnxPacket& packet, Stamp now) noexcept;
 
+  RangeConfig limits_;  // the product's where none were set
   std::uint32_t wanted_baud_;
   LwnxScript script_;
   LwnxParser parser_{counters_};
@@ -96,6 +99,9 @@ void LwnxDriver::on_name(std::span<const std::uint8_t> data, Stamp now) noexcept
     dialogue_.fault(now, trouble);
     return;
   }
+  limits_ = config();
+  limits_.saturated_from =
+      std::isinf(limits_.saturated_from) ? script_.product().saturated_from : limits_.saturated_from;
   info_.resolution_m = script_.is_raw() ? 0.01 : script_.layout().unit_m;
   expect_rate(script_.rate_hz(), script_.readings_per_packet());
   dialogue_.answered(now);
@@ -128,7 +134,7 @@ void LwnxDriver::on_readings(const LwnxPacket& packet, Stamp now) noexcept {
     return;
   }
   for (std::size_t i = 0; i < count; ++i) {
-    block[i] = judged(block[i], script_.is_raw() ? Strength::Unknown : Strength::Known, config());
+    block[i] = judged(block[i], script_.is_raw() ? Strength::Unknown : Strength::Known, limits_);
   }
   deliver_record(std::span(block).first(count), packet.begin, packet.end, now);
 }

@@ -22,6 +22,7 @@ enum class BaudPolicy : std::uint8_t {
 };
 
 struct LwnxConfig {
+  /// saturated_from infinite: as the product's table says.
   RangeConfig range = {.clock = {.tolerance_ppm = 10000.0}};  // LightWare's rates are rounded
   std::uint32_t baud = 115200;  ///< tried first; the others of kLwnxBauds follow
   BaudPolicy baud_policy = BaudPolicy::Keep;

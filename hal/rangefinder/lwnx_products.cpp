@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace slamsensor::hal {
 namespace {
@@ -14,6 +15,9 @@ constexpr std::array kSf45Rates = {50.0,   100.0,  200.0,  400.0,  500.0,  625.0
                                    1000.0, 1250.0, 1538.0, 2000.0, 2500.0, 5000.0};
 // Known: code 8 is 78 readings a second and the full rate 20 000; each code halves it (SF30/D sample).
 constexpr std::array kSf30Rates = {20000.0, 10000.0, 5000.0, 2500.0, 1250.0, 625.0, 312.5, 156.25, 78.125};
+
+constexpr std::array kSf11Rates = {20.0};       // its only one (SF11 manual)
+constexpr std::array kGrfBounds = {0.5, 10.0};  // grf-500-api
 
 constexpr std::uint32_t kLw20Bits = 0x11;    // first raw, first strength
 constexpr std::uint32_t kCommonBits = 0x05;  // first raw, first strength
@@ -62,7 +66,11 @@ constexpr LwnxProduct sf30d() {
 }
 
 constexpr LwnxProduct sf11() {
-  return {.name = "SF11", .output_bits = kLw20Bits, .lost_signal_id = 95, .is_documented = false};
+  return {.name = "SF11",
+          .output_bits = kLw20Bits,
+          .rates = kSf11Rates,
+          .lost_signal_id = 95,
+          .is_documented = false};
 }
 
 constexpr LwnxProduct grf(std::string_view name) {
@@ -73,8 +81,10 @@ constexpr LwnxProduct grf(std::string_view name) {
           .rate_code = LwnxRateCode::TenthHz,
           .rate_id = 74,
           .rate_width = 4,
+          .rates = kGrfBounds,
           .lost_signal_id = 78,
-          .baud_id = 91};
+          .baud_id = 91,
+          .saturated_from = std::numeric_limits<double>::infinity()};  // its strength has no scale told
 }
 
 constexpr std::array kProducts = {
@@ -108,7 +118,8 @@ const LwnxProduct* find_lwnx_product(std::string_view name) noexcept {
 
 LwnxRate nearest_rate(const LwnxProduct& product, double wanted_hz) noexcept {
   if (product.rate_code == LwnxRateCode::TenthHz) {
-    const double tenths = std::max(1.0, std::round(wanted_hz * 10.0));
+    const double tenths =
+        std::round(std::clamp(wanted_hz, product.rates.front(), product.rates.back()) * 10.0);
     return {static_cast<std::uint32_t>(tenths), tenths / 10.0};
   }
   LwnxRate best;

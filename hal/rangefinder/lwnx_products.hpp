@@ -24,7 +24,7 @@ inline constexpr std::uint8_t kLaser = 50;
 enum class LwnxRateCode : std::uint8_t {
   None,     ///< cannot be set
   Table,    ///< place in `rates`, from `first_code` on
-  TenthHz,  ///< ten times the rate, 32 bits
+  TenthHz,  ///< ten times the rate, 32 bits; `rates` are its bounds
 };
 
 /// What differs between products: command numbers, widths, codes. Command 0 gives the name by which a row is
@@ -49,6 +49,9 @@ struct LwnxProduct {
   std::span<const double> rates{};
   std::uint8_t lost_signal_id = 0;
   std::uint8_t baud_id = 0;
+  /// Strength from which an echo counts as saturated: it is told in per cent of the full scale (LW20 manual,
+  /// LightWare's samples), so what is above 100 was too bright to be measured.
+  double saturated_from = 101.0;
   /// Whether its command numbers are published; else a setting that is not answered is gone without.
   bool is_documented = true;
 };

@@ -59,6 +59,7 @@ class LwnxScript {
   [[nodiscard]] const LwnxLayout& layout() const noexcept { return layout_; }
   [[nodiscard]] double rate_hz() const noexcept { return rate_hz_; }
   [[nodiscard]] std::size_t readings_per_packet() const noexcept { return is_raw() ? kRawBlock : 1; }
+  [[nodiscard]] const LwnxProduct& product() const noexcept { return *product_; }
   /// The command under which readings come.
   [[nodiscard]] std::uint8_t reading_id() const noexcept;
   [[nodiscard]] bool is_raw() const noexcept { return config_.mode == LwnxMode::RawReadings; }

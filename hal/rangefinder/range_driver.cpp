@@ -8,7 +8,6 @@
 namespace slamsensor::hal {
 namespace {
 
-constexpr Stamp kPause = std::chrono::milliseconds(50);  // longer than any lump of the host
 constexpr double kSilentPeriods = 20.0;
 constexpr Stamp kSilenceLeast = std::chrono::milliseconds(250);  // longer than a stall of the host
 constexpr std::size_t kLostMost = 1000;

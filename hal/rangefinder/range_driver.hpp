@@ -88,9 +88,11 @@ class SerialRangeDriver : public RangeDriver {
 
   void receive(Stamp now) noexcept final;
 
+  static constexpr Stamp kPause = std::chrono::milliseconds(50);  ///< longer than any lump of the host
+
   /// Acts on the next byte of the stream.
   virtual void on_byte(std::uint8_t byte, Stamp now) noexcept = 0;
-  /// No byte has come for so long that no record is under way.
+  /// No byte has come for kPause: no record is under way.
   virtual void on_pause(Stamp now) noexcept = 0;
 
   /// deliver() for the record in the bytes [begin, end) of the stream.

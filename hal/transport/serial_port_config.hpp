@@ -10,11 +10,11 @@
 namespace slamsensor::hal {
 
 struct SerialConfig {
-  std::string path;  ///< a stable one: a link of /dev/serial/by-id, by-path or an own udev rule
-  SerialLine line;   ///< 50 to 12,000,000 bit/s
-  std::optional<Rs485Config> rs485;
+  std::string path;   ///< a stable one: a link of /dev/serial/by-id, by-path or an own udev rule
+  SerialLine line{};  ///< 50 to 12,000,000 bit/s
+  std::optional<Rs485Config> rs485{};
   SerialLatency latency = SerialLatency::Low;
-  ReopenConfig reopen;
+  ReopenConfig reopen{};
 };
 
 [[nodiscard]] constexpr bool is_line_rate(std::uint32_t baud) noexcept {

@@ -3,6 +3,15 @@
 import pathlib
 import struct
 import sys
+import zlib
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "store"))
+import write_golden  # noqa: E402: of the folder above
+
+# Of block_t.lcm and text_t.lcm in firmware/recording.
+BLOCK_FINGERPRINT = 0xD6F70BEC32B1F303
+TEXT_FINGERPRINT = 0x584886C04312E07F
 
 
 def pcd(fields, sizes, types, counts, points, data, body):
@@ -50,7 +59,59 @@ def wire(text):
     return bytes.fromhex(text)
 
 
+def event(number, channel, data):
+    """An event of an LCM log, at its number in microseconds."""
+    return struct.pack(">IqqII", 0xEDA1DA01, number, number, len(channel), len(data)) + channel + data
+
+
+def text_message(text):
+    """A message of the type text_t."""
+    return struct.pack(">QqII", TEXT_FINGERPRINT, 1, zlib.crc32(text), len(text) + 1) + text + b"\0"
+
+
+def block_message(number, data):
+    """A message of the type block_t."""
+    return struct.pack(">QqqII", BLOCK_FINGERPRINT, 1, number, zlib.crc32(data), len(data)) + data
+
+
+# The messages of the sensor: fingerprint and length, as in firmware/lcm.
+LCM_TYPES = {
+    "pose": (0x466A30C62957A78E, 252),
+    "bot_core": (0x2E16EFB052B0105E, 144),
+    "scan": (0xEB7F62D88331113F, 1280),
+    "map": (0x8E1CC5FB9501AED1, 1344),
+    "status": (0x7B9DB43E90A8526B, 761),
+    "counters": (0x1E8D13D0071E7440, 1180),
+}
+
+
+def datagram(data):
+    return struct.pack(">H", len(data)) + data
+
+
+def lcm_seeds():
+    """Datagrams behind their lengths: each message whole and with nothing but zeros in it, and one in fragments."""
+    seeds = {}
+    for name, (fingerprint, size) in LCM_TYPES.items():
+        message = bytearray(struct.pack(">Q", fingerprint) + bytes(size - 8))
+        if name in ("scan", "map"):  # no landmarks, in one chunk
+            chunks = 8 + (56 if name == "scan" else 24) + 8
+            message[chunks : chunks + 4] = struct.pack(">i", 1)
+        if name == "counters":  # of the first station, in one part
+            message[26] = 1
+        seeds[name] = datagram(struct.pack(">4sI", b"LC02", 1) + b"S\0" + message)
+    pieces = [bytes(300), bytes(300)]
+    seeds["fragments"] = b"".join(
+        datagram(struct.pack(">4sIIIHH", b"LC03", 2, 600, 300 * i, i, 2) + (b"S\0" if i == 0 else b"") + piece)
+        for i, piece in enumerate(pieces))
+    return seeds
+
+
 SEEDS = {
+    "control": {"session": b"\x04version\nmap save garden\nstatus json\n# note\n\nscan mode single\nbogus\n",
+                "datum": b"\xfddatum set -33.8 151.2 12 90\r\nconfig get association.dept\nhelp map\n",
+                "long": b"\x82" + b"x" * 3000 + b"\nversion\n"},
+    "lcm": lcm_seeds(),
     "lwnx": {
         "reading": wire("AA40012CD2043900E02A" * 3),
         "raw": wire("AA00022803D204D304FFFF580E"),
@@ -78,6 +139,56 @@ SEEDS = {
         "abort": wire("088064600000000206"),
         "segment": wire("0801505455 343600".replace(" ", "")),
     },
+    "tf03_can": {  # size and model, then the data
+        "readings": wire("08D204B00400000000" * 3 + "06D204B0040000"),
+        "over_range": wire("085046" + "0C0000000000"),
+        "reply": wire("085A070101020166" + "00" + "075A070101020166" + "11FFFF0A0000000000"),
+    },
+    "canopen": {
+        "started": wire("03" + "3005062710000010" * 3),
+        "emergency": wire("03" + "442031040000000000" + "0A05" + "0B05"),
+        "silent": wire("00" + "466043" + "4643640060E2010000"),
+    },
+    "emulator_ptu": {
+        "start": b"\x00ED FT CI I LE V PP TP PR TR PN PX TU TL PB TA ",
+        "moves": b"\x00PS1000 PP2500 TP-350 A H PO-20 PD10 R ",
+        "modes": b"\x01M-100,100,-50,50 ME MQ MD CV PS-300 CI B B10,20,300,400 BT XS3 XG3 XC ",
+        "settings": b"\x01@(38400,0,T) @A(9600,0,F) U5 _5 _0 PHR TMH WPE LU PNU-100 RPS0 DS DR DF O ",
+        "binary": bytes.fromhex("0081F63C8200649193959799A3A5A8AEAFB0C9000007D0C4DC"),
+    },
+    "emulator_lwnx": {
+        "start": b"\x00www\r\n" + wire("AA400000709F" * 3 + "AA41011B110000000EB2" + "AA41011E050000000F40"),
+        "raw": b"\x00www\r\n" + wire("AA400000709F" * 3 + "AA810046010D70" + "AA41011E01000000FE8A"),
+        "save": b"\x00www\r\n" + wire("AA400000709F" * 2 + "AA40000A3A3E" + "AAC1000C34128070"),
+        "text": b"\x01?LDF,0\r\n?P\r\n#CB,7\r\n$LD\r\n%C\r\n",
+        "sf45": b"\x06" + wire("AA8100420C646D" + "AA400000709F" + "AA41011E050000000F40"),
+    },
+    "emulator_tf03": {
+        "settings": b"\x00" + wire("5A04015F" + "5A0603E8034E" + "5A05050165" + "5A08060010" "0E0086"),
+        "save": b"\x00" + wire("5A04116F" + "5A040260" + "5A064F504645" + "5A054502A6"),
+        "trigger": b"\x02" + wire("5A0603000063" + "5A040462"),
+    },
+    "emulator_point": {
+        "lds70a": b"\x00ID?\rPA\rMF2000\rSA2\rMW-290 290 1\rSD 0 1\rSD 2 3\rBR921600\rDT\rHW\rPR\r",
+        "ldm41e": b"\x01ID\rDM\rSDh\rSDs\rTE2\rOF-1.5\rUB1000\rAS DT\r",
+    },
+    "emulator_sdo": {
+        "numbers": wire("4000200000000000" + "2300200012345678" + "8000200000000206"),
+        "segments": wire("4000200000000000" + "6000000000000000" + "7000000000000000"),
+        "download": wire("2100200009000000" + "0041424344454647" + "1B48490000000000"),
+    },
+    "event_log": {
+        "settings": event(0, b"SLAMSENSOR_CONFIG", text_message(b"scan.settle_s = 0.05\n")),
+        "order": event(0, b"SLAMSENSOR_ORDER", text_message(b"reset 12")),
+        "tape": event(0, b"SLAMSENSOR_TAPE", block_message(0, wire("10E807E0"))) + event(1, b"POSE", bytes(144)),
+        "damaged": b"text" + event(0, b"A", b"") + event(1, b"B", b"\xed\xa1\xda\x01")[:-1],
+    },
+    "tape": {
+        "line": wire("04" "000101804B" "10E807" "60010262" "6140" "1000" "70000261629000E0".replace(" ", "")),
+        "steps": wire("01" "10E807" "1000" "1001" "1002" "C00101" "E0"),
+        "bus": wire("03" "01010100" "1005" "A10005040102" "B10005040102" "41" "D005"),
+        "changes": wire("03" "02000080" "4B" "1005" "22010180" "4B" "820080" "4B" "32010080" "4B" "52" "92" "E0"),
+    },
     "pcd": pcd_seeds(),
     "readings_csv": {
         "plain": b"pan_deg,tilt_deg,range_m\n0,0,5\n0.5,0,\n0,1,7.25\n",
@@ -89,6 +200,7 @@ SEEDS = {
         "full": b"weight,scan,y_m,diameter_m,x_m\n0.5,7,1,0.3,2\n0.5,7,-1,0.4,2\n",
         "bad": b"scan,x_m,y_m\n1.5,0,0\n",
     },
+    "map_file": {"version_1": write_golden.version_1(), "version_2": write_golden.version_2()},
     "map_csv": {
         "plain": b"id,x_m,y_m\n1,0,0\n2,10.5,-3\n",
         "more": b"y_m,xi,id,x_m\n1,0,9,2\n",

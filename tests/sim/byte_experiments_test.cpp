@@ -124,8 +124,9 @@ TEST(CanHead, ScansAsTheSerialOneDoes) {
   ASSERT_TRUE(driven) << (*drive)->sensor().problem();
   EXPECT_EQ(driven->scanlines.size(), 26U);
   EXPECT_EQ(driven->ended.lines_rejected, 0U);
-  // Ramps are swept too; there the pan is less sure than at constant speed.
-  EXPECT_LT(driven->pan.rms_rad * kMilliDegrees, 20.0);
+  // Ramps are swept too.
+  EXPECT_LT(driven->pan.rms_rad * kMilliDegrees, 5.0);
+  EXPECT_LT(driven->pan.worst_rad * kMilliDegrees, 15.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Paper, ByteExperiments, testing::Values(1, 2, 3, 4));

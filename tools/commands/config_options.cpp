@@ -2,20 +2,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include <utility>
+
 namespace slamsensor::tools {
-namespace {
-
-/// "a.b=c" as TOML: a value that is no TOML value by itself is a bare word and meant as text.
-std::string as_toml(const std::string& setting) {
-  const std::size_t equals = setting.find('=');
-  const std::string value = equals == std::string::npos ? "" : setting.substr(equals + 1);
-  const bool bare_word =
-      !value.empty() && value != "true" && value != "false" && value != "inf" && value != "nan" &&
-      value.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_") == std::string::npos;
-  return bare_word ? setting.substr(0, equals + 1) + '"' + value + '"' : setting;
-}
-
-}  // namespace
 
 void ConfigOptions::add_to(CLI::App& verb) {
   verb.add_option("-c,--config", file, "configuration file (TOML); see config/")->type_name("FILE");
@@ -25,29 +14,24 @@ void ConfigOptions::add_to(CLI::App& verb) {
       ->allow_extra_args(false);
 }
 
-tl::expected<firmware::LoadedConfig, CommandError> load(const ConfigOptions& options) {
-  firmware::LoadedConfig loaded;
-  std::vector<firmware::ConfigError> errors;
-  if (!options.file.empty()) {
-    auto from_file = firmware::load_config(options.file);
-    if (from_file) {
-      loaded = std::move(*from_file);
+firmware::ConfigSources ConfigOptions::sources() const {
+  firmware::ConfigSources sources{.file = file};
+  for (const std::string& setting : settings) {
+    if (auto assignment = firmware::parse_assignment(setting)) {
+      sources.settings.push_back(std::move(*assignment));
     } else {
-      errors = std::move(from_file.error());
+      sources.mistakes.push_back({{"--set", 0, 0}, firmware::printable(setting), assignment.error()});
     }
   }
-  for (const std::string& setting : options.settings) {
-    for (firmware::ConfigError& error : firmware::apply_layer(loaded, as_toml(setting), "--set")) {
-      errors.push_back(std::move(error));
-    }
-  }
-  if (errors.empty()) {
-    errors = firmware::check_config(loaded);
-  }
-  if (!errors.empty()) {
-    return tl::unexpected(CommandError{firmware::error_lines(errors), EX_CONFIG});
-  }
-  return loaded;
+  return sources;
+}
+
+tl::expected<firmware::LoadedConfig, CommandError> load(const ConfigOptions& options,
+                                                        firmware::LoadedConfig base) {
+  return firmware::load_layers(options.sources(), std::move(base))
+      .map_error([](const std::vector<firmware::ConfigError>& errors) {
+        return CommandError{firmware::error_lines(errors), EX_CONFIG};
+      });
 }
 
 }  // namespace slamsensor::tools

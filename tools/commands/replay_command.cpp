@@ -1,16 +1,21 @@
+#include "firmware/recording/config_toml.hpp"
 #include "tools/commands/command.hpp"
 #include "tools/commands/config_options.hpp"
 #include "tools/commands/progress_bar.hpp"
 #include "tools/eval/evaluation_report.hpp"
 #include "tools/input/tum.hpp"
 #include "tools/output/trajectory_tum.hpp"
+#include "tools/recording/recording_file.hpp"
 #include "tools/replay/replay.hpp"
+#include "tools/replay/replay_recording.hpp"
 #include "tools/replay/replay_report.hpp"
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 namespace slamsensor::tools {
 namespace {
@@ -32,9 +37,81 @@ tl::expected<std::vector<TimedPose>, CommandError> read_truth(const std::string&
   });
 }
 
-/// Exit status EX_DATAERR when a scan was refused, after everything that could be done is done.
+CommandError bad_input(const InputError& error) {
+  return {error.message + '\n', EX_NOINPUT};
+}
+
+/// The recording that is to be replayed; nothing when the inputs are files of scans.
+tl::expected<std::optional<RecordingFile>, CommandError> find_recording(
+    const std::vector<std::filesystem::path>& inputs) {
+  const auto found = std::find_if(inputs.begin(), inputs.end(), is_event_log_file);
+  if (found == inputs.end()) {
+    return std::nullopt;
+  }
+  if (inputs.size() > 1) {
+    return tl::unexpected(CommandError{
+        found->string() + ": a recording is replayed alone; give it as the only INPUT\n", EX_USAGE});
+  }
+  return open_recording(*found)
+      .map([](RecordingFile&& recording) { return std::optional(std::move(recording)); })
+      .map_error(bad_input);
+}
+
+/// What the recording was made with, under --config and --set.
+tl::expected<firmware::LoadedConfig, CommandError> load_for(const std::optional<RecordingFile>& recording,
+                                                            const ConfigOptions& options) {
+  firmware::LoadedConfig base;
+  if (recording && recording->config) {
+    const std::string name = recording->path.string() + " (settings)";
+    const auto errors = firmware::apply_config_toml(base, *recording->config, name);
+    if (!errors.empty()) {
+      return tl::unexpected(CommandError{firmware::error_lines(errors), EX_DATAERR});
+    }
+  }
+  return load(options, std::move(base));
+}
+
+tl::expected<Replay, CommandError> make_replay(const Options& options,
+                                               const std::optional<RecordingFile>& recording,
+                                               const firmware::Config& config) {
+  ProgressBar bar("replay");
+  const auto progress = [&](std::size_t done, std::size_t total, const FixRow&) { bar.update(done, total); };
+  return (recording ? replay_recording(*recording, config, progress)
+                    : replay(options.inputs, config, progress))
+      .map_error(bad_input);
+}
+
+tl::expected<std::optional<Evaluation>, CommandError> compare(const std::vector<TimedPose>& truth,
+                                                              const Replay& result, const std::string& name) {
+  if (truth.empty()) {
+    return std::nullopt;
+  }
+  return evaluate(truth, trajectory_of(result.rows))
+      .map([](Evaluation&& evaluation) { return std::optional(std::move(evaluation)); })
+      .map_error([&](const EvaluationError& error) {
+        return CommandError{name + ": " + error.message + '\n', EX_DATAERR};
+      });
+}
+
+void print(const Replay& result, const std::optional<Evaluation>& evaluation, const std::string& out) {
+  for (const std::string& message : result.refused) {
+    std::fprintf(stderr, "slamsensor: refused: %s\n", message.c_str());
+  }
+  std::fputs(replay_summary(result).c_str(), stdout);
+  if (evaluation) {
+    std::fputs(evaluation_text(*evaluation).c_str(), stdout);
+  }
+  std::printf("written to %s: trajectory.tum fixes.csv map.csv track.nmea plot.svg\n", out.c_str());
+}
+
+/// Exit status EX_DATAERR when a scan was refused or a recording is damaged, after everything that could be
+/// done is done.
 CommandResult run(const Options& options) {
-  const auto loaded = load(options.config);
+  const auto recording = find_recording(options.inputs);
+  if (!recording) {
+    return tl::unexpected(recording.error());
+  }
+  const auto loaded = load_for(*recording, options.config);
   if (!loaded) {
     return tl::unexpected(loaded.error());
   }
@@ -42,53 +119,38 @@ CommandResult run(const Options& options) {
   if (!truth) {
     return tl::unexpected(truth.error());
   }
-  tl::expected<Replay, InputError> result;
-  {
-    ProgressBar bar("replay");
-    result = replay(options.inputs, loaded->config,
-                    [&](std::size_t done, std::size_t total, const FixRow&) { bar.update(done, total); });
-  }
+  const auto result = make_replay(options, *recording, loaded->config);
   if (!result) {
-    return tl::unexpected(CommandError{result.error().message + '\n', EX_NOINPUT});
+    return tl::unexpected(result.error());
   }
-  std::optional<Evaluation> evaluation;
-  if (!truth->empty()) {
-    auto compared = evaluate(*truth, trajectory_of(result->rows));
-    if (!compared) {
-      return tl::unexpected(CommandError{options.truth + ": " + compared.error().message + '\n', EX_DATAERR});
-    }
-    evaluation = std::move(*compared);
+  const auto evaluation = compare(*truth, *result, options.truth);
+  if (!evaluation) {
+    return tl::unexpected(evaluation.error());
   }
-  const auto written =
-      write_replay(*result, loaded->config, *truth, evaluation,
-                   options.no_times ? MeasuredTimes::Empty : MeasuredTimes::Written, options.out);
+  const auto times = options.no_times ? MeasuredTimes::Empty : MeasuredTimes::Written;
+  const auto written = write_replay(*result, loaded->config, *truth, *evaluation, times, options.out);
   if (!written) {
     return tl::unexpected(CommandError{written.error().message + '\n', EX_CANTCREAT});
   }
-  for (const std::string& message : result->refused) {
-    std::fprintf(stderr, "slamsensor: refused: %s\n", message.c_str());
-  }
-  std::fputs(replay_summary(*result).c_str(), stdout);
-  if (evaluation) {
-    std::fputs(evaluation_text(*evaluation).c_str(), stdout);
-  }
-  std::printf("written to %s: trajectory.tum fixes.csv map.csv track.nmea plot.svg\n", options.out.c_str());
-  return result->refused.empty() ? EX_OK : EX_DATAERR;
+  print(*result, *evaluation, options.out);
+  return result->refused.empty() && !result->is_damaged ? EX_OK : EX_DATAERR;
 }
 
 }  // namespace
 
 void add_replay(CLI::App& app, CommandResult& result) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      app.add_subcommand("replay", "localise recorded scans: point clouds, readings or landmark lists");
+  CLI::App* verb = app.add_subcommand(
+      "replay", "localise recorded scans: point clouds, readings, landmark lists, recordings");
   options->config.add_to(*verb);
   verb->add_option("--truth", options->truth,
                    "true poses to compare with (TUM: t x y z qx qy qz qw, t = scan number)")
       ->type_name("T.tum");
   verb->add_option("--out", options->out, "folder for the results")->required()->type_name("DIR");
   verb->add_flag("--no-times", options->no_times, "leave the measured milliseconds out of fixes.csv");
-  verb->add_option("INPUT", options->inputs, "folders or files: .pcd clouds, readings .csv, landmarks .csv")
+  verb->add_option("INPUT", options->inputs,
+                   "folders or files: .pcd clouds, readings .csv, landmarks .csv; or one recording or log of "
+                   "lcm-logger")
       ->required();
   verb->callback([options, &result] { result = run(*options); });
 }

@@ -1,9 +1,5 @@
 #include "tools/drive/head_drivers.hpp"
 
-#include "hal/pantilt/canopen/canopen_pan_tilt.hpp"
-#include "hal/pantilt/ptu_driver.hpp"
-#include "hal/rangefinder/benewake_config.hpp"
-#include "hal/rangefinder/lwnx_driver.hpp"
 #include "hal/rangefinder/point_laser.hpp"
 
 #include <utility>
@@ -11,80 +7,68 @@
 namespace slamsensor::tools {
 namespace {
 
-using MadePanTilt = tl::expected<std::unique_ptr<hal::PanTilt>, hal::InitError>;
-using MadeRangefinder = tl::expected<std::unique_ptr<hal::Rangefinder>, hal::InitError>;
+constexpr double kRawRateHz = 20'000.0;  // LWNX devices send it in packets of raw readings alone
 
-hal::CanopenConfig canopen_config() {
-  hal::CanopenConfig config;
-  for (hal::CanopenAxisConfig* const axis : {&config.pan, &config.tilt}) {
+void set_pan_tilt(firmware::HeadConfig& config, const PtuProfile& profile) {
+  if (!is_on_bus(profile.unit)) {
+    return;
+  }
+  config.pan_tilt = firmware::PanTiltKind::Canopen;
+  for (hal::CanopenAxisConfig* const axis : {&config.canopen.pan, &config.canopen.tilt}) {
     axis->scale = hal::CanopenScale::FromDrive;
     axis->speed_max_radps = 5.0;
   }
-  return config;
 }
 
-MadePanTilt make_pan_tilt(const PtuProfile& profile, InProcessHead& head) {
-  if (is_on_bus(profile.unit)) {
-    return hal::CanopenPanTilt::create(canopen_config(), *head.ptu_can());
-  }
-  return hal::PtuDriver::create(hal::PtuConfig{}, *head.ptu_bytes());
+void set_point_laser(firmware::HeadConfig& config, firmware::PointLaserPreset preset,
+                     const RangefinderProfile& profile) {
+  config.rangefinder = firmware::RangefinderKind::PointLaser;
+  config.point_laser_preset = preset;
+  config.point_laser = firmware::preset_config(preset);
+  config.point_laser.baud = profile.baud;
+  config.point_laser.rate_hz = profile.rate_hz;
 }
 
-hal::LwnxConfig lwnx_config(const RangefinderProfile& profile) {
-  hal::LwnxConfig config;
-  config.baud = profile.baud;
-  config.rate_hz = profile.rate_hz;
-  if (profile.rate_hz >= 20'000.0) {
-    config.mode = hal::LwnxMode::RawReadings;
-  }
-  return config;
-}
-
-MadeRangefinder make_point_laser(hal::PointLaserConfig config, const RangefinderProfile& profile,
-                                 InProcessHead& head) {
-  config.baud = profile.baud;
-  config.rate_hz = profile.rate_hz;
-  return hal::make_point_laser(config, *head.rangefinder_bytes());
-}
-
-MadeRangefinder make_rangefinder(const RangefinderProfile& profile, InProcessHead& head) {
+void set_rangefinder(firmware::HeadConfig& config, const RangefinderProfile& profile) {
   switch (profile.unit) {
     case RangefinderModel::Lw20:
     case RangefinderModel::Sf30d:
     case RangefinderModel::Sf45:
     case RangefinderModel::Grf500:
-      return hal::make_lwnx_rangefinder(lwnx_config(profile), *head.rangefinder_bytes());
-    case RangefinderModel::Tf03: {
-      hal::BenewakeSerialConfig config;
-      config.device.rate_hz = profile.rate_hz;
-      config.baud = profile.baud;
-      return hal::make_benewake_serial(config, *head.rangefinder_bytes());
-    }
-    case RangefinderModel::Tf03Can: {
-      hal::BenewakeCanConfig config;
-      config.device.rate_hz = profile.rate_hz;
-      return hal::make_benewake_can(config, *head.rangefinder_can());
-    }
+      config.rangefinder = firmware::RangefinderKind::Lwnx;
+      config.lwnx.baud = profile.baud;
+      config.lwnx.rate_hz = profile.rate_hz;
+      config.lwnx.mode = profile.rate_hz >= kRawRateHz ? hal::LwnxMode::RawReadings : hal::LwnxMode::Readings;
+      return;
+    case RangefinderModel::Tf03:
+    case RangefinderModel::Tf03Can:
+      config.rangefinder = is_on_bus(profile.unit) ? firmware::RangefinderKind::BenewakeCan
+                                                   : firmware::RangefinderKind::BenewakeSerial;
+      config.benewake_serial.device.rate_hz = profile.rate_hz;
+      config.benewake_serial.baud = profile.baud;
+      return;
     case RangefinderModel::Lds70a:
-      return make_point_laser(hal::astech_lds70a(), profile, head);
+      set_point_laser(config, firmware::PointLaserPreset::AstechLds70a, profile);
+      return;
     case RangefinderModel::LaserAceIm:
       break;
   }
-  return make_point_laser(hal::mdl_laserace_im_hr_unverified(), profile, head);
+  set_point_laser(config, firmware::PointLaserPreset::MdlLaserAceImHr, profile);
 }
 
 }  // namespace
 
+firmware::HeadConfig head_config(const HeadProfile& profile) {
+  firmware::HeadConfig config;
+  set_pan_tilt(config, profile.ptu);
+  set_rangefinder(config, profile.rangefinder);
+  return config;
+}
+
 tl::expected<HeadDrivers, WorldError> make_head_drivers(const HeadProfile& profile, InProcessHead& head) {
-  auto pan_tilt = make_pan_tilt(profile.ptu, head);
-  if (!pan_tilt) {
-    return tl::unexpected(WorldError{pan_tilt.error().message});
-  }
-  auto rangefinder = make_rangefinder(profile.rangefinder, head);
-  if (!rangefinder) {
-    return tl::unexpected(WorldError{rangefinder.error().message});
-  }
-  return HeadDrivers{std::move(*pan_tilt), std::move(*rangefinder)};
+  return firmware::make_head_drivers(head_config(profile), {head.ptu_bytes(), head.ptu_can(),
+                                                            head.rangefinder_bytes(), head.rangefinder_can()})
+      .map_error([](const hal::InitError& error) { return WorldError{error.message}; });
 }
 
 }  // namespace slamsensor::tools

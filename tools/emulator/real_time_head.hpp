@@ -19,7 +19,7 @@ namespace slamsensor::tools {
 struct RealTimeConfig {
   std::filesystem::path ptu = "ptu0";  ///< names of the pseudo-terminals of devices on a serial line
   std::filesystem::path rangefinder = "rangefinder0";
-  std::string can;  ///< interface of devices on a CAN bus; not needed when there is none
+  std::string can{};  ///< interface of devices on a CAN bus; not needed when there is none
   BaudRule baud = BaudRule::AsOnALine;
   Stamp granule = std::chrono::microseconds(200);  ///< bytes are given to the host no later than this after
                                                    ///< they are due, all that are due together

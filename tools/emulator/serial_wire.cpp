@@ -70,9 +70,18 @@ Stamp SerialWire::next_arrival(std::uint32_t receiver_baud) const {
   return std::min({doubled, next_noise_, line_arrival(receiver_baud)});
 }
 
-std::optional<WireByte> SerialWire::next_of_line(Stamp now, std::uint32_t receiver_baud) {
+void SerialWire::drop_sampled() {
   while (!line_.empty() && !has_falling_edge(line_.front(), sampled_until_)) {
     line_.pop_front();  // no character can begin there any more
+  }
+}
+
+std::optional<WireByte> SerialWire::next_of_line(Stamp now, std::uint32_t receiver_baud) {
+  drop_sampled();
+  if (!line_.empty() && !is_read_whole(line_.front(), receiver_baud)) {
+    // A stream of glitches must not be judged again and again.
+    sampled_until_ = skip_glitches(line_, sampled_until_, now, receiver_baud);
+    drop_sampled();
   }
   if (line_.empty()) {
     return std::nullopt;

@@ -44,6 +44,7 @@ class SerialWire {
   void put_again_from(hal::Stamp from);
   [[nodiscard]] bool is_read_whole(const LineByte& byte, std::uint32_t receiver_baud) const noexcept;
   [[nodiscard]] hal::Stamp line_arrival(std::uint32_t receiver_baud) const;
+  void drop_sampled();
   [[nodiscard]] std::optional<WireByte> next_of_line(hal::Stamp now, std::uint32_t receiver_baud);
   [[nodiscard]] std::optional<WireByte> disturbed(WireByte byte, std::uint32_t receiver_baud);
   [[nodiscard]] WireByte noise_byte(std::uint32_t receiver_baud);

@@ -44,12 +44,22 @@ std::optional<Stamp> falling_edge(const LineByte& byte, Stamp from) noexcept {
 }
 
 std::optional<Stamp> falling_edge(const std::deque<LineByte>& line, Stamp from) noexcept {
-  for (const LineByte& byte : line) {
-    if (const std::optional<Stamp> edge = falling_edge(byte, from)) {
+  const auto ends_later = [](Stamp t, const LineByte& b) { return t < b.end; };
+  for (auto byte = std::upper_bound(line.begin(), line.end(), from, ends_later); byte != line.end(); ++byte) {
+    if (const std::optional<Stamp> edge = falling_edge(*byte, from)) {
       return edge;
     }
   }
   return std::nullopt;
+}
+
+/// Where the receiver looks for the start bit itself.
+Stamp start_middle(Stamp edge, std::uint32_t baud) noexcept {
+  return edge + half_bits(1, baud);
+}
+
+Stamp after_glitch(Stamp edge, std::uint32_t baud) noexcept {
+  return std::max(start_middle(edge, baud), edge + Stamp(1));
 }
 
 WireByte sampled(const std::deque<LineByte>& line, Stamp edge, std::uint32_t baud) noexcept {
@@ -73,13 +83,23 @@ bool has_falling_edge(const LineByte& byte, Stamp from) noexcept {
   return falling_edge(byte, from).has_value();
 }
 
+Stamp skip_glitches(const std::deque<LineByte>& line, Stamp from, Stamp now, std::uint32_t baud) {
+  while (const std::optional<Stamp> edge = falling_edge(line, from)) {
+    const Stamp middle = start_middle(*edge, baud);
+    if (middle > now || !is_high_at(line, middle)) {
+      break;
+    }
+    from = after_glitch(*edge, baud);
+  }
+  return from;
+}
+
 std::optional<WireByte> sample_character(const std::deque<LineByte>& line, Stamp from, std::uint32_t baud) {
   while (const std::optional<Stamp> edge = falling_edge(line, from)) {
-    const Stamp middle = *edge + half_bits(1, baud);
-    if (!is_high_at(line, middle)) {
+    if (!is_high_at(line, start_middle(*edge, baud))) {
       return sampled(line, *edge, baud);
     }
-    from = std::max(middle, *edge + Stamp(1));  // a glitch, no start bit
+    from = after_glitch(*edge, baud);
   }
   return std::nullopt;
 }

@@ -28,6 +28,11 @@ struct LineByte {
 /// True when a start bit may begin in `byte` at `from` or later.
 [[nodiscard]] bool has_falling_edge(const LineByte& byte, hal::Stamp from) noexcept;
 
+/// Where a UART at `baud`, idle at `from`, begins to wait anew when it has passed every falling edge that is
+/// no start bit and whose judgement falls due by `now`; `from` when there is none.
+[[nodiscard]] hal::Stamp skip_glitches(const std::deque<LineByte>& line, hal::Stamp from, hal::Stamp now,
+                                       std::uint32_t baud);
+
 /// The first character that a UART at `baud`, idle at `from`, makes of `line` (in order of time, idle high in
 /// between): it waits for a falling edge, checks the middle of the start bit, and samples the middle of every
 /// bit. A stop bit that is low reads as a zero byte, as from a Linux tty that neither ignores nor marks

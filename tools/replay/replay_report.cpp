@@ -91,6 +91,19 @@ std::string reasons_text(const Replay& replay) {
   return lines;
 }
 
+std::string recording_text(const Replay& replay) {
+  std::string lines;
+  if (replay.fixes_compared > 0) {
+    lines += text("as recorded      %llu of %llu fixes, bit for bit\n",
+                  static_cast<unsigned long long>(replay.fixes_alike),
+                  static_cast<unsigned long long>(replay.fixes_compared));
+  }
+  for (const std::string& note : replay.notes) {
+    lines += note + '\n';
+  }
+  return lines;
+}
+
 std::string counters_text(const Replay& replay) {
   const std::array<std::pair<const char*, std::uint64_t>, 9> counters{{
       {"cloud points without a direction", replay.points_skipped},
@@ -142,7 +155,7 @@ std::string replay_summary(const Replay& replay) {
          text("ambiguous        %zu\n", count_of(replay, core::FixStatus::Ambiguous)) +
          text("no fix           %zu\n", count_of(replay, core::FixStatus::NoFix)) + reasons_text(replay) +
          text("map              %zu landmarks\n", replay.map.size()) + times_text(replay) +
-         counters_text(replay);
+         counters_text(replay) + recording_text(replay);
 }
 
 }  // namespace slamsensor::tools

@@ -34,9 +34,9 @@ SweepConfig paper_sweep_1_2() noexcept {
 
 SweepConfig paper_sweep_3_4() noexcept {
   SweepConfig sweep;
-  sweep.tilt_min_rad = -340.0 * kPtuStep_rad;
-  sweep.tilt_max_rad = 160.0 * kPtuStep_rad;
-  sweep.tilt_step_rad = 20.0 * kPtuStep_rad;
+  sweep.tilt_min_rad = -340.0 * firmware::kPaperStep_rad;
+  sweep.tilt_max_rad = 160.0 * firmware::kPaperStep_rad;
+  sweep.tilt_step_rad = 20.0 * firmware::kPaperStep_rad;
   return sweep;
 }
 

@@ -2,10 +2,10 @@
 
 #include "core/geometry/pose2.hpp"
 #include "core/reading.hpp"
+#include "firmware/scan/scan_config.hpp"
 #include "tools/world/world.hpp"
 
 #include <cstdint>
-#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -16,19 +16,15 @@ enum class SweepOrder : std::uint8_t {
   OneWay,        ///< every scanline from left to right
 };
 
-/// One position of the paper's pan-tilt unit (PTU-46, 185.1428 arc seconds), rad. The paper's figures are
-/// multiples of it.
-inline constexpr double kPtuStep_rad = std::numbers::pi / 3500.0;
-
 /// How the sensor head sweeps. Defaults: experiments I and II of the paper, 51 scanlines of 5,000 readings. A
 /// scanline has a reading in the middle of each pan step; there is a scanline at both ends of the tilt range.
 struct SweepConfig {
-  double pan_min_rad = -2500.0 * kPtuStep_rad;  // -128.57 deg
-  double pan_max_rad = 2500.0 * kPtuStep_rad;
-  double pan_step_rad = kPtuStep_rad;           // 0.0514 deg
-  double tilt_min_rad = -350.0 * kPtuStep_rad;  // -18.0 deg
-  double tilt_max_rad = 150.0 * kPtuStep_rad;   // 7.71 deg
-  double tilt_step_rad = 10.0 * kPtuStep_rad;   // 0.514 deg
+  double pan_min_rad = -2500.0 * firmware::kPaperStep_rad;  // -128.57 deg
+  double pan_max_rad = 2500.0 * firmware::kPaperStep_rad;
+  double pan_step_rad = firmware::kPaperStep_rad;           // 0.0514 deg
+  double tilt_min_rad = -350.0 * firmware::kPaperStep_rad;  // -18.0 deg
+  double tilt_max_rad = 150.0 * firmware::kPaperStep_rad;   // 7.71 deg
+  double tilt_step_rad = 10.0 * firmware::kPaperStep_rad;   // 0.514 deg
   double readings_per_second = 1000.0;
   double line_change_s = 0.0;   ///< from the end of a scanline to the start of the next
   double mount_height_m = 1.5;  ///< of the sensor's origin above the ground

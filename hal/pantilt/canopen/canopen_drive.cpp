@@ -36,6 +36,7 @@ void CanopenDrive::set_up(Stamp now) noexcept {
   command_out_ = false;
   seen_ = {};
   status_.position_rad = startup_.position() * startup_.facts().rad_per_count;
+  standing_rad_ = status_.position_rad;
   seen_.position = startup_.position();
   seen_.statusword = 0x0027;  // as the start-up left it
   latest_sync_ = earlier_sync_ = paired_sync_ = -Stamp(1);
@@ -185,9 +186,8 @@ void CanopenDrive::step_set_point(Stamp now) noexcept {
   if (++attempts_ >= kAttempts) {
     counters_.count(CanopenEvent::MovesRejected);
     request_.reset();
-    phase_ = Phase::Rest;
+    come_to_rest();
     at_once_ = true;
-    status_.moving = false;
     return;
   }
   counters_.count(CanopenEvent::MovesRepeated);
@@ -204,14 +204,21 @@ void CanopenDrive::start_halt(Stamp now) noexcept {
   }
   const bool stands = is_sent() && seen_.stamp > sent_at_ && (seen_.statusword & status::kTargetReached) != 0;
   if (stands || now - sent_at_ > config_.state_timeout) {
-    phase_ = Phase::Rest;
-    status_.moving = false;
+    come_to_rest();
   }
+}
+
+/// What reports tell from here on is where the next move starts: by the time that it is confirmed, reports
+/// may already be of an axis under way.
+void CanopenDrive::come_to_rest() noexcept {
+  phase_ = Phase::Rest;
+  status_.moving = false;
+  standing_rad_ = status_.position_rad;
 }
 
 void CanopenDrive::begin_status(Stamp begun) noexcept {
   const double start_rad =
-      status_.moving ? status_.move.position_rad(to_seconds(begun - status_.begun)) : status_.position_rad;
+      status_.moving ? status_.move.position_rad(to_seconds(begun - status_.begun)) : standing_rad_;
   status_.move =
       MotionProfile(start_rad, move_.target_rad, move_.speed_radps, startup_.facts().info.dynamics);
   status_.begun = begun;
@@ -225,11 +232,6 @@ void CanopenDrive::begin_status(Stamp begun) noexcept {
 void CanopenDrive::give_up() noexcept {
   counters_.count(CanopenEvent::MovesLost);
   halt();
-}
-
-void CanopenDrive::end_move() noexcept {
-  phase_ = Phase::Rest;
-  status_.moving = false;
 }
 
 /// Sends `controlword` with the target; the PDO carries both at once.

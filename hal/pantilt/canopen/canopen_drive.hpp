@@ -65,7 +65,7 @@ class CanopenDrive {
   void start_halt(Stamp now) noexcept;
   void begin_status(Stamp begun) noexcept;
   void give_up() noexcept;
-  void end_move() noexcept;
+  void come_to_rest() noexcept;
   void command(std::uint16_t controlword, Stamp now) noexcept;
   void queue(const SdoRequest& request) noexcept;
   [[nodiscard]] bool is_sent() const noexcept;
@@ -89,7 +89,8 @@ class CanopenDrive {
   AxisStatus status_;
   Phase phase_ = Phase::Rest;
   std::optional<Request> request_;
-  Request move_;  // under way
+  Request move_;               // under way
+  double standing_rad_ = 0.0;  // where it last rested
   DriveSighting seen_;
   Ring<SdoRequest, 8> requests_;
   std::optional<CanFrame> unsent_;

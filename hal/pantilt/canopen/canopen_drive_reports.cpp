@@ -104,6 +104,9 @@ void CanopenDrive::on_sighting(const DriveSighting& sighting) noexcept {
   last_seen_ = sighting.stamp;
   status_.position_rad = sighting.position * startup_.facts().rad_per_count;
   status_.polled = sighting.stamp;
+  if (phase_ == Phase::Rest) {
+    standing_rad_ = status_.position_rad;
+  }
   if (phase_ != Phase::Rest || sighting.stamp >= next_rest_) {
     next_rest_ = sighting.stamp + from_seconds(1.0 / config_.rest_poll_hz);
     const AxisSample sample{sighting.stamp, sighting.half_width, status_.position_rad, axis_};
@@ -123,7 +126,7 @@ void CanopenDrive::heed_end(const DriveSighting& sighting) noexcept {
                      away <= startup_.facts().window_counts;
   on_target_ = there ? static_cast<std::uint8_t>(on_target_ + 1) : std::uint8_t{0};
   if (on_target_ >= kOnTarget) {
-    end_move();
+    come_to_rest();
   }
 }
 

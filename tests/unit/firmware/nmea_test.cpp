@@ -1,5 +1,7 @@
 #include "firmware/output/nmea.hpp"
 
+#include "tests/unit/firmware/output/nmea_lines.hpp"
+
 #include <GeographicLib/LocalCartesian.hpp>
 #include <gmock/gmock.h>
 
@@ -13,58 +15,9 @@
 namespace slamsensor::firmware {
 namespace {
 
-using testing::ElementsAre;
 using namespace std::chrono_literals;
-
-const Datum kDatum{47.4520576, 8.57757202, 412.35, 90.0};
-
-core::Fix good_fix() {
-  core::Fix fix;
-  fix.time.middle_utc =
-      std::chrono::sys_days(std::chrono::year(2025) / 7 / 14).time_since_epoch() + 10h + 15min + 30s + 200ms;
-  fix.status = core::FixStatus::Fix;
-  fix.reason = core::FixReason::None;
-  fix.pose_W.heading_rad = (90.0 - 123.45) * core::kDegree;
-  fix.covariance.diagonal() << 0.045 * 0.045, 0.055 * 0.055, std::pow(0.5 * core::kDegree, 2);
-  fix.matches = 8;
-  fix.landmarks_seen = 11;
-  fix.error_xi = 3;
-  return fix;
-}
-
-std::string epoch(const core::Fix& fix, const NmeaContext& context) {
-  std::array<char, kNmeaEpochBytesMax> out{};
-  const std::size_t size = format_nmea(fix, context, out);
-  return {out.data(), size};
-}
-
-/// The lines of an epoch without their line ends, each of which must be there.
-std::vector<std::string> lines(const core::Fix& fix, const NmeaContext& context) {
-  std::vector<std::string> result;
-  const std::string text = epoch(fix, context);
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = text.find("\r\n", begin);
-    if (end == std::string::npos) {
-      ADD_FAILURE() << "a line without an end: " << text.substr(begin);
-      break;
-    }
-    result.push_back(text.substr(begin, end - begin));
-    begin = end + 2;
-  }
-  return result;
-}
-
-std::vector<std::string> fields(const std::string& line) {
-  std::vector<std::string> result(1);
-  for (const char c : line.substr(0, line.find('*'))) {
-    if (c == ',') {
-      result.emplace_back();
-    } else {
-      result.back() += c;
-    }
-  }
-  return result;
-}
+using namespace tests;
+using testing::ElementsAre;
 
 void expect_well_formed(const std::string& line) {
   EXPECT_LE(line.size() + 2, kNmeaSentenceMax) << line;
@@ -93,7 +46,7 @@ TEST_F(Nmea, GoldenEpochOfAFix) {
                           "$GPGBS,101530.20,0.055,0.045,,,,,*6A", "$GPHDT,123.45,T*04",
                           "$GPGST,101530.20,0.300,0.055,0.045,0.0,0.055,0.045,*7E",
                           "$GPZDA,101530.20,14,07,2025,00,00*65",
-                          "$PSLMA,POSE,101530.20,A,A,0,0.000,0.000,326.550,0.055,0.50,3,8,11*6B"));
+                          "$PSLMA,POSE,101530.20,A,A,0,0.000,0.000,326.550,0.055,0.50,3,8,11,0.00*59"));
 }
 
 TEST_F(Nmea, GoldenEpochWithoutAFix) {
@@ -103,29 +56,27 @@ TEST_F(Nmea, GoldenEpochWithoutAFix) {
   fix.matches = 0;
   fix.landmarks_seen = 7;
   EXPECT_THAT(lines(fix, context_),
-              ElementsAre("$GPRMC,101530.20,V,,,,,,,140725,,,N*7C",
-                          "$GPGGA,101530.20,,,,,0,00,99.99,,,,,,*62", "$GPGBS,101530.20,,,,,,,*6B",
-                          "$GPGST,101530.20,,,,,,,*7D", "$PSLMA,POSE,101530.20,V,A,2,,,,,,,0,7*6E"));
+              ElementsAre("$GPRMC,101530.20,V,,,,,,,140725,,,N*7C", "$GPGGA,101530.20,,,,,0,00,,,,,,,*4C",
+                          "$GPGBS,101530.20,,,,,,,*6B", "$GPGST,101530.20,,,,,,,*7D",
+                          "$PSLMA,POSE,101530.20,V,A,2,,,,,,,0,7,0.00*5C"));
 }
 
 TEST_F(Nmea, AnAmbiguousPoseIsNeverAPosition) {
   core::Fix fix = good_fix();
   fix.status = core::FixStatus::Ambiguous;
   fix.reason = core::FixReason::Symmetric;
-  EXPECT_THAT(
-      lines(fix, context_),
-      ElementsAre("$GPRMC,101530.20,V,,,,,,,140725,,,N*7C", "$GPGGA,101530.20,,,,,0,00,99.99,,,,,,*62",
-                  "$GPGBS,101530.20,,,,,,,*6B", "$GPGST,101530.20,,,,,,,*7D",
-                  "$PSLMA,POSE,101530.20,U,A,3,0.000,0.000,326.550,0.055,0.50,3,8,11*7C"));
+  EXPECT_THAT(lines(fix, context_),
+              ElementsAre("$GPRMC,101530.20,V,,,,,,,140725,,,N*7C", "$GPGGA,101530.20,,,,,0,00,,,,,,,*4C",
+                          "$GPGBS,101530.20,,,,,,,*6B", "$GPGST,101530.20,,,,,,,*7D",
+                          "$PSLMA,POSE,101530.20,U,A,3,0.000,0.000,326.550,0.055,0.50,3,8,11,0.00*4E"));
 }
 
 TEST_F(Nmea, WithoutADatumOnlyTheLocalSentenceCarriesThePose) {
   context_.geo = nullptr;
-  EXPECT_THAT(
-      lines(good_fix(), context_),
-      ElementsAre("$GPRMC,101530.20,V,,,,,,,140725,,,N*7C", "$GPGGA,101530.20,,,,,0,00,99.99,,,,,,*62",
-                  "$GPGBS,101530.20,,,,,,,*6B", "$GPGST,101530.20,,,,,,,*7D",
-                  "$PSLMA,POSE,101530.20,A,A,0,0.000,0.000,326.550,0.055,0.50,3,8,11*6B"));
+  EXPECT_THAT(lines(good_fix(), context_),
+              ElementsAre("$GPRMC,101530.20,V,,,,,,,140725,,,N*7C", "$GPGGA,101530.20,,,,,0,00,,,,,,,*4C",
+                          "$GPGBS,101530.20,,,,,,,*6B", "$GPGST,101530.20,,,,,,,*7D",
+                          "$PSLMA,POSE,101530.20,A,A,0,0.000,0.000,326.550,0.055,0.50,3,8,11,0.00*59"));
 }
 
 TEST_F(Nmea, AReplayCallsItselfSimulated) {
@@ -209,18 +160,21 @@ TEST_F(Nmea, NoSentenceEverExceeds82Characters) {
   const GeoReference far(Datum{-89.5, -179.9, -1000.0, 12.0});
   context_.geo = &far;
   context_.zda = true;
+  context_.sentences.ths = true;
   context_.landmark_sigma_m = 1e-9;
+  context_.moment = NmeaMoment{.utc = good_fix().time.middle_utc, .age = 200'000s};
   core::Fix fix = good_fix();
-  fix.pose_W = {-1e7, -1e7, -1e-9};
+  fix.pose_W = {-1e6, -1e6, -1e-9};
   fix.covariance = Eigen::Matrix3d::Identity() * 1e300;
   fix.error_xi = std::numeric_limits<std::uint32_t>::max();
   fix.matches = fix.landmarks_seen = std::numeric_limits<std::uint32_t>::max();
   const std::vector<std::string> sentences = lines(fix, context_);
-  ASSERT_EQ(sentences.size(), 7U);
+  ASSERT_EQ(sentences.size(), 8U);
   for (const std::string& line : sentences) {
     expect_well_formed(line);
   }
-  EXPECT_EQ(fields(sentences.back())[6], "-10000000");
+  EXPECT_EQ(fields(sentences.back())[6], "-1000000");
+  EXPECT_EQ(fields(sentences.back())[14], "99999");
 }
 
 double angle_deg(const std::string& text, std::size_t degree_digits, char hemisphere) {

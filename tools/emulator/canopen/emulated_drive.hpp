@@ -3,7 +3,7 @@
 #include "tools/emulator/canopen/drive_control.hpp"
 #include "tools/emulator/canopen/drive_pdo.hpp"
 #include "tools/emulator/canopen/sdo_server.hpp"
-#include "tools/emulator/rangefinder/delay_draw.hpp"
+#include "tools/emulator/delay_draw.hpp"
 #include "tools/emulator/rangefinder/power_switch.hpp"
 
 #include <array>

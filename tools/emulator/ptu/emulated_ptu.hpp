@@ -1,10 +1,10 @@
 #pragma once
 
+#include "tools/emulator/delay_draw.hpp"
 #include "tools/emulator/emulated_device.hpp"
 #include "tools/emulator/ptu/ptu_port.hpp"
 #include "tools/emulator/ptu/ptu_settings.hpp"
 #include "tools/emulator/ptu/ptu_unit.hpp"
-#include "tools/emulator/rangefinder/delay_draw.hpp"
 
 #include <cstdint>
 #include <deque>

@@ -20,11 +20,9 @@ EmulatedLwnx::EmulatedLwnx(const LwnxSettings& settings, ByteSink& sink, RangeSc
       product_(settings_.product),
       scene_(scene),
       line_(sink, settings.transmit_buffer_bytes),
-      outbox_(line_, scene, settings.delays, settings.seed),
+      machine_(settings, line_, scene),
       registers_(product_),
       reader_(settings_),
-      power_(settings.begin, settings.boot_time),
-      timer_(settings.crystal_ppm),
       token_(settings.first_token) {
   registers_.set_text(kNameId, product_.name);
   registers_.set_text(kSerialNumberId, settings.serial_number);
@@ -33,7 +31,7 @@ EmulatedLwnx::EmulatedLwnx(const LwnxSettings& settings, ByteSink& sink, RangeSc
     registers_.set(product_.ids.baud, std::uint64_t{*value});
   }
   registers_.save_all();
-  if (power_.is_up()) {
+  if (machine_.power.is_up()) {
     start_up(Stamp::zero());
     unanswered_first_ = 0;
     unanswered_packets_ = 0;
@@ -48,19 +46,16 @@ void EmulatedLwnx::advance(Stamp now) {
 }
 
 Stamp EmulatedLwnx::next_event() const {
-  if (!power_.is_up()) {
-    return power_.next();
-  }
-  return std::min({timer_.next(), outbox_.next(), restart_at_, statistics_at_, text_at_});
+  const Stamp next = machine_.next_event();
+  return machine_.power.is_up() ? std::min({next, statistics_at_, text_at_}) : next;
 }
 
 void EmulatedLwnx::step(Stamp now) {
-  if (!power_.is_up()) {
+  if (!machine_.power.is_up()) {
     start_up(now);
     return;
   }
-  if (timer_.next() <= now) {
-    timer_.advance();
+  if (machine_.takes_shot(now)) {
     shoot(now);
   }
   if (statistics_at_ <= now) {
@@ -69,14 +64,14 @@ void EmulatedLwnx::step(Stamp now) {
   if (text_at_ <= now) {
     say_due_text(now);
   }
-  outbox_.release(now, faults_.is_open(FaultKind::Silence, now) ? Outbox::Voice::Silent : Outbox::Voice::On);
-  if (restart_at_ <= now) {
+  machine_.release(now);
+  if (machine_.restart_at <= now) {
     go_down(now);
   }
 }
 
 void EmulatedLwnx::start_up(Stamp now) {
-  power_.go_up();
+  machine_.power.go_up();
   registers_.restore();
   if (const auto baud = lwnx_baud(registers_.value(product_.ids.baud));
       baud && lwnx_baud_value(line_.baud()).has_value()) {
@@ -95,11 +90,8 @@ void EmulatedLwnx::start_up(Stamp now) {
 }
 
 void EmulatedLwnx::go_down(Stamp until) {
-  power_.cut(until);
-  outbox_.clear();
+  machine_.go_down(until);
   line_.clear();
-  timer_.stop();
-  restart_at_ = hal::kNever;
   statistics_at_ = hal::kNever;
   text_at_ = hal::kNever;
 }
@@ -114,18 +106,12 @@ bool EmulatedLwnx::inject(const Fault& fault) {
       registers_.save(product_.ids.baud);
       line_.set_baud(product_.baud);
       return true;
-    case FaultKind::Silence:
-    case FaultKind::NoReturns:
-    case FaultKind::WeakSignal:
-    case FaultKind::Saturation:
-      faults_.open(fault);
-      return true;
     case FaultKind::DeviceError:
-      faults_.open(fault);
-      text_at_ = power_.is_up() ? fault.at : hal::kNever;
+      machine_.faults.open(fault);
+      text_at_ = machine_.power.is_up() ? fault.at : hal::kNever;
       return true;
     case FaultKind::BadChecksum:
-      faults_.order(fault.kind);
+      machine_.faults.order(fault.kind);
       return true;
     case FaultKind::StreamStops:
       registers_.set(kStreamId, 0U);
@@ -136,12 +122,12 @@ bool EmulatedLwnx::inject(const Fault& fault) {
       say("Target range reset", fault.at);
       return true;
     default:
-      return false;
+      return machine_.open(fault);
   }
 }
 
 void EmulatedLwnx::say(std::string_view text, Stamp at) {
-  if (!power_.is_up()) {
+  if (!machine_.power.is_up()) {
     return;
   }
   if (!is_lwnx_) {

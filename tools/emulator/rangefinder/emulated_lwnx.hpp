@@ -1,14 +1,13 @@
 #pragma once
 
 #include "tools/emulator/emulated_device.hpp"
+#include "tools/emulator/rangefinder/laser_machine.hpp"
 #include "tools/emulator/rangefinder/lwnx_packet.hpp"
 #include "tools/emulator/rangefinder/lwnx_reading.hpp"
 #include "tools/emulator/rangefinder/lwnx_registers.hpp"
 #include "tools/emulator/rangefinder/lwnx_settings.hpp"
 #include "tools/emulator/rangefinder/lwnx_text.hpp"
-#include "tools/emulator/rangefinder/power_switch.hpp"
 #include "tools/emulator/rangefinder/serial_outbox_line.hpp"
-#include "tools/emulator/rangefinder/shot_timer.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -40,8 +39,8 @@ class EmulatedLwnx final : public EmulatedSerialDevice {
   [[nodiscard]] std::uint32_t baud() const override { return line_.baud(); }
 
   /// Streamed packets that were sent, and those that the line could not take.
-  [[nodiscard]] std::uint64_t records_sent() const { return outbox_.sent(); }
-  [[nodiscard]] std::uint64_t records_dropped() const { return outbox_.dropped(); }
+  [[nodiscard]] std::uint64_t records_sent() const { return machine_.outbox.sent(); }
+  [[nodiscard]] std::uint64_t records_dropped() const { return machine_.outbox.dropped(); }
 
   /// Requests that were refused: not whole, wrong CRC, length, ID, token.
   [[nodiscard]] std::uint64_t refused() const { return refused_ + receiver_.refused(); }
@@ -53,7 +52,9 @@ class EmulatedLwnx final : public EmulatedSerialDevice {
   void go_down(Stamp until);
   void say(std::string_view text, Stamp at);
   void say_due_text(Stamp now);
-  [[nodiscard]] bool error_is_on(Stamp now) const { return faults_.is_open(FaultKind::DeviceError, now); }
+  [[nodiscard]] bool error_is_on(Stamp now) const {
+    return machine_.faults.is_open(FaultKind::DeviceError, now);
+  }
 
   // Requests (emulated_lwnx_requests.cpp)
   void take_request(const LwnxRequest& request, Stamp at);
@@ -91,13 +92,10 @@ class EmulatedLwnx final : public EmulatedSerialDevice {
   const LwnxProduct& product_;
   RangeScene& scene_;
   SerialOutboxLine line_;
-  Outbox outbox_;
+  LaserMachine machine_;
   LwnxRegisters registers_;
   LwnxReader reader_;
   LwnxReceiver receiver_;
-  FaultWindows faults_;
-  PowerSwitch power_;
-  ShotTimer timer_;
 
   std::uint8_t unanswered_first_ = 0;
   std::uint8_t unanswered_packets_ = 0;
@@ -107,7 +105,6 @@ class EmulatedLwnx final : public EmulatedSerialDevice {
   std::uint16_t token_;
   std::uint64_t tokens_ = 0;
   std::uint64_t refused_ = 0;
-  Stamp restart_at_ = hal::kNever;
   Stamp statistics_at_ = hal::kNever;
   Stamp text_at_ = hal::kNever;
 

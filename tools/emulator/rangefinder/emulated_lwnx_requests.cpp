@@ -25,7 +25,7 @@ std::uint64_t as_word(std::int32_t value) {
 }  // namespace
 
 void EmulatedLwnx::receive(std::uint8_t byte, Stamp at) {
-  if (!power_.is_up()) {
+  if (!machine_.power.is_up()) {
     return;
   }
   if (const auto request = receiver_.push(byte, at)) {
@@ -93,7 +93,7 @@ void EmulatedLwnx::answer_distance(std::uint8_t id, Stamp at) {
     append_little_endian(distance_word(reading, reading.range_m, {100.0, 2, product_.no_return}), 2, data_);
   }
   build_packet(id, LwnxAccess::Read, data_, packet_);
-  outbox_.put_answer(packet_, at, {&at, 1});
+  machine_.outbox.put_answer(packet_, at, {&at, 1});
 }
 
 void EmulatedLwnx::answer_write(const LwnxRegister& command, const LwnxRequest& request, Stamp at) {
@@ -147,7 +147,7 @@ bool EmulatedLwnx::write_common(const LwnxRequest& request, Stamp at) {
       if (!use_token(request)) {
         return false;
       }
-      restart_at_ = at + settings_.restart_delay;
+      machine_.restart_at = at + settings_.restart_delay;
       return true;
     case kStageFirmwareId:
       registers_.set(request.id, as_word(kFirmwareOfAnother));
@@ -182,7 +182,7 @@ bool EmulatedLwnx::use_token(const LwnxRequest& request) {
 
 void EmulatedLwnx::put_packet(std::uint8_t id, LwnxAccess access, Stamp at) {
   build_packet(id, access, data_, packet_);
-  outbox_.put_answer(packet_, at);
+  machine_.outbox.put_answer(packet_, at);
 }
 
 }  // namespace slamsensor::tools

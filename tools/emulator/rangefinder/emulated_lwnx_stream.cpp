@@ -44,9 +44,9 @@ void EmulatedLwnx::retime(Stamp now) {
   const LwnxStream kind = stream();
   const bool is_text = !is_lwnx_ && (text_stream_ || settings_.legacy == LwnxLegacyStream::Sf30Binary);
   if (kind == LwnxStream::Raw || kind == LwnxStream::Cm || kind == LwnxStream::Mm || is_text) {
-    timer_.start_after(now, rate_hz(kind));
+    machine_.timer.start_after(now, rate_hz(kind));
   } else {
-    timer_.stop();
+    machine_.timer.stop();
   }
 }
 
@@ -72,7 +72,7 @@ LwnxReading EmulatedLwnx::measure(Stamp at) {
     return {};
   }
   const LwnxIds& ids = product_.ids;
-  return reader_.read(look(scene_, at, faults_),
+  return reader_.read(look(scene_, at, machine_.faults),
                       {registers_.signed_value(ids.zero_offset) * product_.zero_offset_unit_m,
                        static_cast<std::uint32_t>(registers_.value(ids.lost_counter)), tells_strength()});
 }
@@ -129,15 +129,15 @@ void EmulatedLwnx::stream_text(const LwnxReading& reading, Stamp at) {
         sf30_bytes(cm > kCmMax ? settings_.legacy_no_return_cm : static_cast<unsigned>(std::max(cm, 0.0)));
     packet_.assign(bytes.begin(), bytes.end());
   }
-  outbox_.put_record(packet_, {&at, 1}, at);
+  machine_.outbox.put_record(packet_, {&at, 1}, at);
 }
 
 void EmulatedLwnx::put_record(std::uint8_t id, std::span<const Stamp> measured, Stamp at) {
   build_packet(id, LwnxAccess::Read, data_, packet_);
-  if (faults_.take(FaultKind::BadChecksum)) {
+  if (machine_.faults.take(FaultKind::BadChecksum)) {
     packet_.back() ^= 0x5AU;
   }
-  outbox_.put_record(packet_, measured, at);
+  machine_.outbox.put_record(packet_, measured, at);
 }
 
 void EmulatedLwnx::send_statistics(Stamp now) {

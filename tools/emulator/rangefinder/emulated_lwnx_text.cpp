@@ -88,7 +88,7 @@ double EmulatedLwnx::text_range_m(const LwnxReading& reading) const {
 
 void EmulatedLwnx::put_text(std::string_view text, Stamp at, std::span<const Stamp> measured) {
   const std::vector<std::uint8_t> bytes(text.begin(), text.end());
-  outbox_.put_answer(bytes, at, measured);
+  machine_.outbox.put_answer(bytes, at, measured);
 }
 
 }  // namespace slamsensor::tools

@@ -1,7 +1,5 @@
 #include "tools/emulator/rangefinder/emulated_point_laser.hpp"
 
-#include <algorithm>
-
 namespace slamsensor::tools {
 namespace {
 
@@ -14,12 +12,10 @@ EmulatedPointLaser::EmulatedPointLaser(const PointSettings& settings, ByteSink& 
     : settings_(settings),
       scene_(scene),
       line_(sink, settings.transmit_buffer_bytes),
-      outbox_(line_, scene, settings.delays, settings.seed),
-      commands_(settings_),
-      power_(settings.begin, settings.boot_time),
-      timer_(settings.crystal_ppm) {
+      machine_(settings, line_, scene),
+      commands_(settings_) {
   line_.set_baud(settings.baud);
-  if (power_.is_up()) {
+  if (machine_.power.is_up()) {
     start_up(Stamp::zero());
   }
 }
@@ -30,32 +26,24 @@ void EmulatedPointLaser::advance(Stamp now) {
   }
 }
 
-Stamp EmulatedPointLaser::next_event() const {
-  if (!power_.is_up()) {
-    return power_.next();
-  }
-  return std::min({timer_.next(), outbox_.next(), restart_at_});
-}
-
 void EmulatedPointLaser::step(Stamp now) {
-  if (!power_.is_up()) {
+  if (!machine_.power.is_up()) {
     start_up(now);
     return;
   }
-  if (timer_.next() <= now) {
-    timer_.advance();
+  if (machine_.takes_shot(now)) {
     build_record(now);
-    outbox_.put_record(record_, {&now, 1}, now);
+    machine_.outbox.put_record(record_, {&now, 1}, now);
   }
-  outbox_.release(now, faults_.is_open(FaultKind::Silence, now) ? Outbox::Voice::Silent : Outbox::Voice::On);
+  machine_.release(now);
   follow_baud();
-  if (restart_at_ <= now) {
+  if (machine_.restart_at <= now) {
     go_down(now);
   }
 }
 
 void EmulatedPointLaser::start_up(Stamp now) {
-  power_.go_up();
+  machine_.power.go_up();
   text_.clear();
   last_ = {};
   line_.set_baud(commands_.baud());
@@ -67,15 +55,12 @@ void EmulatedPointLaser::start_up(Stamp now) {
 }
 
 void EmulatedPointLaser::go_down(Stamp until) {
-  power_.cut(until);
-  outbox_.clear();
+  machine_.go_down(until);
   line_.clear();
-  timer_.stop();
-  restart_at_ = hal::kNever;
 }
 
 void EmulatedPointLaser::receive(std::uint8_t byte, Stamp at) {
-  if (!power_.is_up() || settings_.dialect == PointDialect::None) {
+  if (!machine_.power.is_up() || settings_.dialect == PointDialect::None) {
     return;
   }
   if (byte == kEscape) {
@@ -86,7 +71,7 @@ void EmulatedPointLaser::receive(std::uint8_t byte, Stamp at) {
   } else if (byte == '\r') {
     const std::string line = std::move(text_);
     text_.clear();
-    const bool is_deaf = timer_.running() && settings_.stop == PointStop::Escape;
+    const bool is_deaf = machine_.timer.running() && settings_.stop == PointStop::Escape;
     if (!line.empty() && !is_deaf) {
       act(PointAction::Stop, at);
       take_line(line, at);
@@ -111,17 +96,17 @@ void EmulatedPointLaser::act(PointAction action, Stamp at) {
   switch (action) {
     case PointAction::Measure:
       build_record(at);
-      outbox_.put_answer(record_, at, {&at, 1});
+      machine_.outbox.put_answer(record_, at, {&at, 1});
       break;
     case PointAction::Track:
-      timer_.start_after(at,
-                         settings_.dialect == PointDialect::None ? settings_.rate_hz : commands_.rate_hz());
+      machine_.timer.start_after(
+          at, settings_.dialect == PointDialect::None ? settings_.rate_hz : commands_.rate_hz());
       break;
     case PointAction::Stop:
-      timer_.stop();
+      machine_.timer.stop();
       break;
     case PointAction::Restart:
-      restart_at_ = at;
+      machine_.restart_at = at;
       break;
     case PointAction::None:
       break;
@@ -129,18 +114,18 @@ void EmulatedPointLaser::act(PointAction action, Stamp at) {
 }
 
 void EmulatedPointLaser::follow_baud() {
-  if (!outbox_.has_answers()) {
+  if (!machine_.outbox.has_answers()) {
     line_.set_baud(commands_.baud());
   }
 }
 
 void EmulatedPointLaser::put_text(std::string_view text, Stamp at) {
   const std::vector<std::uint8_t> bytes(text.begin(), text.end());
-  outbox_.put_answer(bytes, at);
+  machine_.outbox.put_answer(bytes, at);
 }
 
 void EmulatedPointLaser::build_record(Stamp at) {
-  const Sight sight = look(scene_, at, faults_);
+  const Sight sight = look(scene_, at, machine_.faults);
   commands_.note(sight);
   build_point_record(commands_.format(), read(sight), record_);
 }
@@ -180,22 +165,18 @@ bool EmulatedPointLaser::inject(const Fault& fault) {
       if (settings_.dialect == PointDialect::None) {
         return false;  // no command could start it again
       }
-      timer_.stop();
+      machine_.timer.stop();
       return true;
     case FaultKind::TextMessage:
-      if (power_.is_up()) {
+      if (machine_.power.is_up()) {
         put_text(settings_.identity + "\r\n", fault.at);
       }
       return true;
-    case FaultKind::Silence:
-    case FaultKind::NoReturns:
-    case FaultKind::WeakSignal:
-    case FaultKind::Saturation:
     case FaultKind::DeviceError:
-      faults_.open(fault);
+      machine_.faults.open(fault);
       return true;
     default:
-      return false;
+      return machine_.open(fault);
   }
 }
 

@@ -1,10 +1,9 @@
 #pragma once
 
 #include "tools/emulator/emulated_device.hpp"
+#include "tools/emulator/rangefinder/laser_machine.hpp"
 #include "tools/emulator/rangefinder/point_commands.hpp"
-#include "tools/emulator/rangefinder/power_switch.hpp"
 #include "tools/emulator/rangefinder/serial_outbox_line.hpp"
-#include "tools/emulator/rangefinder/shot_timer.hpp"
 
 #include <cstdint>
 #include <string>
@@ -21,7 +20,7 @@ class EmulatedPointLaser final : public EmulatedSerialDevice {
   EmulatedPointLaser(const PointSettings& settings, ByteSink& sink, RangeScene& scene);
 
   void advance(Stamp now) override;
-  [[nodiscard]] Stamp next_event() const override;
+  [[nodiscard]] Stamp next_event() const override { return machine_.next_event(); }
 
   /// Knows PowerCycle, Silence, BaudReset, NoReturns, WeakSignal, Saturation, TextMessage, DeviceError and,
   /// if it has commands, StreamStops. Its records have no checksum.
@@ -30,8 +29,8 @@ class EmulatedPointLaser final : public EmulatedSerialDevice {
   [[nodiscard]] std::uint32_t baud() const override { return line_.baud(); }
 
   /// Records that were sent, and those that the line could not take.
-  [[nodiscard]] std::uint64_t records_sent() const { return outbox_.sent(); }
-  [[nodiscard]] std::uint64_t records_dropped() const { return outbox_.dropped(); }
+  [[nodiscard]] std::uint64_t records_sent() const { return machine_.outbox.sent(); }
+  [[nodiscard]] std::uint64_t records_dropped() const { return machine_.outbox.dropped(); }
 
  private:
   void step(Stamp now);
@@ -47,14 +46,10 @@ class EmulatedPointLaser final : public EmulatedSerialDevice {
   PointSettings settings_;
   RangeScene& scene_;
   SerialOutboxLine line_;
-  Outbox outbox_;
+  LaserMachine machine_;
   PointCommands commands_;
-  FaultWindows faults_;
-  PowerSwitch power_;
-  ShotTimer timer_;
   std::string text_;
   PointReading last_;
-  Stamp restart_at_ = hal::kNever;
   std::vector<std::uint8_t> record_;
 };
 

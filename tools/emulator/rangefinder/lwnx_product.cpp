@@ -76,7 +76,8 @@ LwnxProduct sf_family(const char* name) {
   LwnxProduct product;
   product.name = name;
   product.text_name = name;
-  product.rates_hz = {50, 100, 200, 400, 500, 625, 1000, 1250, 1538, 2000, 2500, 5000};
+  // Not published; as far as the codes of the LW20 go they are taken to mean the same.
+  product.rates_hz = {48, 55, 64, 77, 97, 129, 194, 388, 625, 1250, 2500, 5000};
   using enum LwnxField;
   product.fields = {Raw, Median, Strength, Raw, Median, Strength, Noise, Temperature};
   product.streams = {
@@ -85,7 +86,7 @@ LwnxProduct sf_family(const char* name) {
   add(product, {{27, 4, 4, kSaved, 0x05},
                 {45, 1, {}},
                 {57, 4, {}, kLost, 2350},
-                {66, 1, 1, kSaved, 7},
+                {66, 1, 1, kSaved, 8},
                 {74, 4, {}, kLost, 12},
                 {75, 4, 4, kSaved},
                 {76, 4, 4, kSaved, 1},
@@ -93,16 +94,10 @@ LwnxProduct sf_family(const char* name) {
   return product;
 }
 
-LwnxProduct lw24() {
-  LwnxProduct product = sf_family("LW24");
-  LwnxRegister& rate = *product.find(66);
-  rate.read_bytes = 2;  // two bytes in its guide, one in those of its relatives
-  rate.write_bytes = 2;
-  return product;
-}
-
+/// Nothing is published of its LWNX commands: its outputs are taken to be those of the LW20.
 LwnxProduct sf11() {
   LwnxProduct product = sf_family("SF11");
+  product.fields = lw20("SF11").fields;
   product.text_name = "SF11/C";
   product.text_style = LwnxTextStyle::Sf11;
   product.unanswered_packets = 1;  // its sample sends one to switch LWNX on
@@ -115,6 +110,7 @@ LwnxProduct sf11() {
 LwnxProduct sf45b() {
   LwnxProduct product = sf_family("SF45");
   product.baud = 921600;
+  product.rates_hz = {50, 100, 200, 400, 500, 625, 1000, 1250, 1538, 2000, 2500, 5000};
   product.fields.push_back(LwnxField::Yaw);
   product.find(66)->initial = 1;
   add(product, {{85, 2, 2, kSaved, 5},
@@ -204,7 +200,7 @@ LwnxProduct make(LwnxModel model) {
     case LwnxModel::Sf20:
       return lw20("SF20");
     case LwnxModel::Lw24:
-      return lw24();
+      return sf_family("LW24");
     case LwnxModel::Sf000:
       return sf_family("SF000");
     case LwnxModel::Sf11:

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "tools/emulator/delay_draw.hpp"
 #include "tools/emulator/emulated_device.hpp"
-#include "tools/emulator/rangefinder/delay_draw.hpp"
 
 #include <cstddef>
 #include <cstdint>

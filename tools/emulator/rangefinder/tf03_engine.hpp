@@ -1,7 +1,6 @@
 #pragma once
 
-#include "tools/emulator/rangefinder/power_switch.hpp"
-#include "tools/emulator/rangefinder/shot_timer.hpp"
+#include "tools/emulator/rangefinder/laser_machine.hpp"
 #include "tools/emulator/rangefinder/tf03_commands.hpp"
 #include "tools/emulator/rangefinder/tf03_frame.hpp"
 
@@ -19,7 +18,7 @@ class Tf03Engine {
   /// `settings`, `line` and `scene` outlive the engine, which sits at the plug of `wire`.
   Tf03Engine(const Tf03Settings& settings, Tf03Wire wire, OutboxLine& line, RangeScene& scene);
 
-  [[nodiscard]] Stamp next_event() const;
+  [[nodiscard]] Stamp next_event() const { return machine_.next_event(); }
 
   /// Does what is due at `now`, which is next_event().
   void step(Stamp now);
@@ -32,17 +31,17 @@ class Tf03Engine {
   bool inject(const Fault& fault);
 
   /// The next frame has a wrong sum.
-  void spoil_next() { faults_.order(FaultKind::BadChecksum); }
+  void spoil_next() { machine_.faults.order(FaultKind::BadChecksum); }
   void reset_baud() { commands_.reset_baud(); }
   void put_text(std::string_view text, Stamp at);
 
   [[nodiscard]] const Tf03Parameters& active() const { return commands_.active(); }
-  [[nodiscard]] bool is_up() const { return power_.is_up(); }
+  [[nodiscard]] bool is_up() const { return machine_.power.is_up(); }
 
   /// Grows with every start and every loss of power.
   [[nodiscard]] std::uint32_t power_changes() const { return power_changes_; }
 
-  [[nodiscard]] const Outbox& outbox() const { return outbox_; }
+  [[nodiscard]] const Outbox& outbox() const { return machine_.outbox; }
   [[nodiscard]] std::uint64_t refused() const { return refused_ + receiver_.refused(); }
 
  private:
@@ -50,19 +49,15 @@ class Tf03Engine {
   void go_down(Stamp until);
   void retime(Stamp now);
   void shoot(Stamp at);
-  [[nodiscard]] bool hears() const { return power_.is_up() && active().wire == wire_; }
+  [[nodiscard]] bool hears() const { return machine_.power.is_up() && active().wire == wire_; }
   void run(std::span<const std::uint8_t> command, Stamp at);
 
   const Tf03Settings& settings_;
   Tf03Wire wire_;
   RangeScene& scene_;
-  Outbox outbox_;
+  LaserMachine machine_;
   Tf03Commands commands_;
   Tf03Receiver receiver_;
-  FaultWindows faults_;
-  PowerSwitch power_;
-  ShotTimer timer_;
-  Stamp restart_at_ = hal::kNever;
   std::uint32_t power_changes_ = 0;
   std::uint64_t refused_ = 0;
   std::vector<std::uint8_t> frame_;

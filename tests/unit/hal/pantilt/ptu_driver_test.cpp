@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -171,7 +172,7 @@ TEST_F(PtuMotion, SlowStepsOnlyWidenTheStamps) {
   EXPECT_EQ(bench.counter("resyncs"), 0U);
 }
 
-TEST(PtuDriver, PollsFasterAtAFastRate) {
+TEST(PtuPolls, PollsFasterAtAFastRate) {
   hal::PtuConfig config;
   config.fast_baud = 115200;
   config.poll_hz = 100.0;
@@ -219,6 +220,29 @@ TEST(PtuDriver, AFullLineIsTriedAgain) {
   EXPECT_EQ(bench.driver->state(), DeviceState::Starting);
   bench.link.set_full(false);
   ASSERT_TRUE(bench.run_until_ready());
+}
+
+TEST(PtuPolls, OfASteadyAxisComeAtEverOtherPlacesBetweenItsPositions) {
+  PtuBench bench;
+  bench.period = std::chrono::microseconds(100);
+  ASSERT_TRUE(bench.run_until_ready());
+  const auto samples = bench.sweep(Axis::Pan, 3000, 1000.0);  // a position a millisecond
+  ASSERT_GT(samples.size(), 100U);
+  std::array<double, 5> fifths{};
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    // 20 % either way of 25 ms, and at times a poll of the other axis in between.
+    const double apart_s = hal::to_seconds(samples[i].stamp - samples[i - 1].stamp);
+    EXPECT_GT(apart_s, 0.015);
+    EXPECT_LT(apart_s, 0.045);
+    fifths[static_cast<std::size_t>((samples[i].stamp % std::chrono::milliseconds(1)).count() / 200'000)] +=
+        1.0 / static_cast<double>(samples.size() - 1);
+  }
+  for (const double share : fifths) {
+    EXPECT_NEAR(share, 0.2, 0.08);
+  }
+  EXPECT_NEAR(
+      hal::to_seconds(samples.back().stamp - samples.front().stamp) / static_cast<double>(samples.size() - 1),
+      0.025, 0.0005);
 }
 
 }  // namespace

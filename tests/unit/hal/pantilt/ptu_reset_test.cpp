@@ -54,6 +54,44 @@ TEST(PtuReset, AResetThatFailsTwiceIsAFaultThatIsTriedAgain) {
   ASSERT_TRUE(bench.run_until_ready(seconds(40)));
 }
 
+/// Away from home when it was lost, at home when it is found: it reset itself meanwhile.
+void lose_away_find_home(PtuBench& bench) {
+  ASSERT_TRUE(bench.run_until_ready());
+  static_cast<void>(bench.sweep(Axis::Pan, 700, 1000));
+  bench.link.set_up(false);
+  bench.run(seconds(1));
+  bench.unit.place('P', 0);
+  bench.unit.heard.clear();
+  bench.link.set_up(true);
+}
+
+TEST(PtuReset, AUnitThatWentHomeUnseenIsResetOnce) {
+  PtuBench bench;
+  lose_away_find_home(bench);
+  ASSERT_TRUE(bench.run_until_ready(seconds(60)));
+  EXPECT_EQ(bench.unit.count("R"), 1);
+}
+
+TEST(PtuReset, AResetIsWorthNothingWhenTheUnitWasOutOfSightAfterIt) {
+  PtuBench bench;
+  lose_away_find_home(bench);
+  ASSERT_TRUE(bench.run(seconds(60), [&] { return bench.unit.count("R") > 0; }));
+  ASSERT_TRUE(bench.run(seconds(60), [&] { return bench.unit.heard.back() != "R"; }));
+  bench.unit.mute_until = bench.now + seconds(5);  // another reset, for all the driver knows
+  ASSERT_TRUE(bench.run_until_ready(seconds(120)));
+  EXPECT_EQ(bench.unit.count("R"), 2);
+}
+
+TEST(PtuReset, AResetIsWorthNothingWhenStopsAreMetAfterIt) {
+  PtuBench bench;
+  lose_away_find_home(bench);
+  ASSERT_TRUE(bench.run(seconds(60), [&] { return bench.unit.count("R") > 0; }));
+  ASSERT_TRUE(bench.run(seconds(60), [&] { return bench.unit.heard.back() != "R"; }));
+  bench.unit.say("!P", bench.now);
+  ASSERT_TRUE(bench.run_until_ready(seconds(120)));
+  EXPECT_EQ(bench.unit.count("R"), 2);
+}
+
 TEST(PtuReset, ResetsAUnitThatHasNoLimitsYet) {
   PtuBench bench;
   bench.unit.facts["PN"] = "0";

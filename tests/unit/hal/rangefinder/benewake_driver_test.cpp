@@ -68,6 +68,23 @@ TEST(BenewakeSerial, StampIsWhenTheFrameBegan) {
   }
 }
 
+TEST(BenewakeSerial, SlowReadingsDoNotWaitForTheNextOne) {
+  RangeBench bench;
+  Tf03 device;
+  BenewakeSerialConfig config = serial_config();
+  config.device.rate_hz = 5.0;
+  connect(bench, device, config);
+  ASSERT_TRUE(bench.run_until_ready(10'000)) << bench.driver->problem();
+  bench.run(5000);
+  bench.samples.clear();
+  const int ticks = bench.ticks;
+  while (bench.samples.empty() && bench.ticks < ticks + 1000) {
+    bench.run(1);
+  }
+  ASSERT_FALSE(bench.samples.empty());
+  EXPECT_LT(bench.now - bench.samples[0].stamp, milliseconds(60));
+}
+
 TEST(BenewakeSerial, OverRangeIsNoReturn) {
   RangeBench bench;
   Tf03 device;

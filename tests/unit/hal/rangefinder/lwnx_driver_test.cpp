@@ -6,14 +6,7 @@ namespace slamsensor::hal {
 namespace {
 
 using std::chrono::milliseconds;
-using tests::config_at;
-using tests::connect;
-using tests::hex_text;
-using tests::LightWare;
-using tests::packet;
-using tests::RangeBench;
-using tests::word16;
-using tests::word32;
+using namespace tests;  // NOLINT(google-build-using-namespace)
 
 TEST(LwnxDriver, StartsALw20ThatSwallowsItsFirstRequests) {
   RangeBench bench;

@@ -239,7 +239,8 @@ TEST(LwnxProducts, RatesAreTheManuals) {
   EXPECT_EQ(nearest_rate(*find_lwnx_product("SF000/B"), 97.0).code, 5u);
   EXPECT_EQ(nearest_rate(*find_lwnx_product("SF30/D"), 78.0).code, 8u);
   EXPECT_EQ(nearest_rate(*find_lwnx_product("GRF-500"), 5.0).code, 50u);
-  EXPECT_EQ(nearest_rate(*find_lwnx_product("SF11/C"), 5.0).rate_hz, 0.0);
+  EXPECT_EQ(nearest_rate(*find_lwnx_product("SF11/C"), 388.0).rate_hz, 20.0);  // its only one
+  EXPECT_EQ(nearest_rate(*find_lwnx_product("GRF-500"), 388.0).code, 100u);
 }
 
 }  // namespace

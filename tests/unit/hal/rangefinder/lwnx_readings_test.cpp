@@ -7,14 +7,7 @@ namespace slamsensor::hal {
 namespace {
 
 using std::chrono::milliseconds;
-using tests::config_at;
-using tests::connect;
-using tests::hex_text;
-using tests::LightWare;
-using tests::packet;
-using tests::RangeBench;
-using tests::word16;
-using tests::word32;
+using namespace tests;  // NOLINT(google-build-using-namespace)
 
 struct NoReturn {
   const char* product;
@@ -105,6 +98,46 @@ TEST(LwnxReadings, StrengthLimitsTellWeakAndSaturated) {
   }
 }
 
+struct Dazzled {
+  const char* product;
+  double rate_hz;
+  Echo echo;  ///< of an echo of 120, where no limit is configured
+};
+
+class SaturatedByProduct : public testing::TestWithParam<Dazzled> {};
+
+TEST_P(SaturatedByProduct, PerCentBeyondTheScaleIsNoDistance) {
+  const Dazzled& c = GetParam();
+  RangeBench bench;
+  LightWare device;
+  device.name = c.product;
+  device.rate_hz = c.rate_hz;
+  const bool is_wide = device.name.rfind("GRF", 0) == 0;
+  int strength = 100;
+  device.reading = [&](int) {
+    return packet(44, is_wide ? word32(123) + word32(strength) : word16(1234) + word16(strength));
+  };
+  connect(bench, device, config_at(c.rate_hz));
+  ASSERT_TRUE(bench.run_until_ready(8000)) << bench.driver->problem();
+  for (const auto& [value, echo] : {std::pair{100, Echo::Return}, {120, c.echo}}) {
+    strength = value;
+    bench.run(static_cast<int>(3000.0 / c.rate_hz) + 50);
+    bench.samples.clear();
+    bench.run(static_cast<int>(3000.0 / c.rate_hz) + 50);
+    ASSERT_FALSE(bench.samples.empty());
+    EXPECT_EQ(bench.samples[0].echo, echo) << value;
+    EXPECT_EQ(bench.samples[0].range_m > 0.0, echo == Echo::Return);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Products, SaturatedByProduct,
+    testing::Values(Dazzled{"LW20", 388.0, Echo::Saturated}, Dazzled{"SF20", 388.0, Echo::Saturated},
+                    Dazzled{"LW24", 388.0, Echo::Saturated}, Dazzled{"SF000/B", 388.0, Echo::Saturated},
+                    Dazzled{"SF11/C", 388.0, Echo::Saturated}, Dazzled{"SF30/D", 312.5, Echo::Saturated},
+                    Dazzled{"SF45/B", 400.0, Echo::Saturated},
+                    Dazzled{"GRF-500", 5.0, Echo::Return}));  // tells its strength on no known scale
+
 std::string raw_packet(int tick) {
   std::string data(1, static_cast<char>(200));
   for (int i = 0; i < 200; ++i) {
@@ -113,16 +146,24 @@ std::string raw_packet(int tick) {
   return packet(40, data);
 }
 
-TEST(LwnxReadings, RawReadingsComeAt20kHz) {
+/// An LW20 that sends 20 000 readings a second, 200 in a packet.
+class LwnxRaw : public testing::Test {
+ protected:
+  void SetUp() override {
+    bench.device_baud = 921600;
+    device.rate_hz = 100.0;
+    device.reading = raw_packet;
+    LwnxConfig config;
+    config.baud = 921600;
+    config.mode = LwnxMode::RawReadings;
+    connect(bench, device, config);
+  }
+
   RangeBench bench;
-  bench.device_baud = 921600;
   LightWare device;
-  device.rate_hz = 100.0;
-  device.reading = raw_packet;
-  LwnxConfig config;
-  config.baud = 921600;
-  config.mode = LwnxMode::RawReadings;
-  connect(bench, device, config);
+};
+
+TEST_F(LwnxRaw, ReadingsComeAt20kHz) {
   ASSERT_TRUE(bench.run_until_ready(3000)) << bench.driver->problem();
   EXPECT_TRUE(bench.was_written(hex_text("AA 81 00 46 01 0D 70")));
   EXPECT_TRUE(bench.was_written(hex_text("AA 41 01 1E 01 00 00 00 FE 8A")));
@@ -147,16 +188,7 @@ TEST(LwnxReadings, LineTooSlowForTheReadingsIsTold) {
   EXPECT_NE(bench.driver->problem().find("line rate is too low"), std::string_view::npos);
 }
 
-TEST(LwnxReadings, ReadingsThatNobodyTakesAreDroppedOldestKept) {
-  RangeBench bench;
-  bench.device_baud = 921600;
-  LightWare device;
-  device.rate_hz = 100.0;
-  device.reading = raw_packet;
-  LwnxConfig config;
-  config.baud = 921600;
-  config.mode = LwnxMode::RawReadings;
-  connect(bench, device, config);
+TEST_F(LwnxRaw, ReadingsThatNobodyTakesAreDroppedOldestKept) {
   ASSERT_TRUE(bench.run_until_ready(3000));
   for (int i = 0; i < 40; ++i) {  // as run(), but takes nothing
     bench.now += milliseconds(10);
@@ -167,19 +199,10 @@ TEST(LwnxReadings, ReadingsThatNobodyTakesAreDroppedOldestKept) {
   EXPECT_GT(bench.counter("readings_dropped"), 2000u);
 }
 
-TEST(LwnxReadings, StepsAskTheHeapForNothing) {
+TEST_F(LwnxRaw, StepsAskTheHeapForNothing) {
   if (!tests::NoAllocScope::works()) {
     GTEST_SKIP() << "the heap cannot be watched here";
   }
-  RangeBench bench;
-  bench.device_baud = 921600;
-  LightWare device;
-  device.rate_hz = 100.0;
-  device.reading = raw_packet;
-  LwnxConfig config;
-  config.baud = 921600;
-  config.mode = LwnxMode::RawReadings;
-  connect(bench, device, config);
   ASSERT_TRUE(bench.run_until_ready(3000));
   for (int i = 0; i < 100; ++i) {
     bench.now += milliseconds(10);

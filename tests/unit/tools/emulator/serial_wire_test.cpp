@@ -190,5 +190,21 @@ TEST(SerialWire, MismatchedBytesAreTakenStepByStepAsAllAtOnce) {
   EXPECT_FALSE(run(1ms).empty());
 }
 
+TEST(SerialWire, AStreamOfGlitchesIsJudgedOnce) {
+  // 0xFF at 921600 is low for 1 us, half a start bit at 9600 takes 52 us: never a character, for however
+  // long.
+  SerialWire wire(1);
+  const std::vector<std::uint8_t> ones(50'000, 0xFF);
+  Stamp now{};
+  for (int i = 0; i < 20; ++i) {
+    wire.send(ones, now, 921600);
+    now = wire.busy_until() + 1ms;
+    EXPECT_FALSE(wire.next(now, 9600).has_value());
+    EXPECT_EQ(wire.next_arrival(9600), hal::kNever);
+  }
+  wire.send(std::array<std::uint8_t, 1>{0x5A}, now, 9600);
+  EXPECT_EQ(values_of(all_of(wire, 9600)), std::vector<std::uint8_t>{0x5A});
+}
+
 }  // namespace
 }  // namespace slamsensor::tools

@@ -59,8 +59,8 @@ struct Setting {
 firmware::SensorHeadConfig head_config() {
   firmware::SensorHeadConfig config;
   config.scan.mode = firmware::ScanMode::Single;
-  config.scan.tilt_min_rad = -40.0 * kPtuStep_rad;
-  config.scan.tilt_max_rad = 40.0 * kPtuStep_rad;
+  config.scan.tilt_min_rad = -40.0 * firmware::kPaperStep_rad;
+  config.scan.tilt_max_rad = 40.0 * firmware::kPaperStep_rad;
   return config;
 }
 

@@ -59,6 +59,20 @@ TEST(Canopen, MovesByTheSetPointHandshake) {
   EXPECT_GT(bench.driver->take(samples), 2U);
 }
 
+TEST(Canopen, AMoveStartsWhereTheAxisStoodAlsoWhenItIsSeenUnderWayBeforeItsConfirmation) {
+  CanopenBench bench;
+  bench.run(600);
+  ASSERT_EQ(bench.driver->move(Axis::Pan, -0.25, 0.1), MoveStatus::Accepted);
+  for (int i = 0; i < 100 && bench.of(0x201).empty(); ++i) {
+    bench.run(1);
+  }
+  ASSERT_EQ(bench.of(0x201).size(), 1U);
+  bench.pan.objects[0x606400] = -300;  // in the PDO that also acknowledges
+  bench.run(150);
+  ASSERT_TRUE(bench.driver->axis(Axis::Pan).moving);
+  EXPECT_EQ(bench.driver->axis(Axis::Pan).move.start_rad(), 0.0);
+}
+
 TEST(Canopen, FallsBackToSdoWhenNothingCanBeMapped) {
   CanopenBench bench;
   bench.pan.refused = 0x160000;

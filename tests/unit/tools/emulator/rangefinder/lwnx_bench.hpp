@@ -15,6 +15,14 @@ inline LwnxSettings ready(LwnxModel model) {
   return settings;
 }
 
+/// An SF000 that makes a thousand readings a second.
+inline LwnxSettings sf000_at_1_khz() {
+  LwnxSettings settings = ready(LwnxModel::Sf000);
+  settings.product.rates_hz = {50.0, 1000.0};
+  settings.product.find(66)->initial = 2;
+  return settings;
+}
+
 inline Bytes request(std::uint8_t id, LwnxAccess access, const Bytes& data = {}) {
   Bytes packet;
   build_packet(id, access, data, packet);

@@ -73,7 +73,7 @@ class LwnxFault : public testing::Test {
   LwnxFault() : bench(settings()) { bench.say(write_request(30, 5, 4), Stamp{}); }
 
   static LwnxSettings settings() {
-    LwnxSettings made = ready(LwnxModel::Sf000);  // 1 kHz, raw and strength
+    LwnxSettings made = sf000_at_1_khz();  // raw and strength
     made.product.find(76)->initial = 0;
     return made;
   }

@@ -80,7 +80,7 @@ TEST(LwnxStream, CrystalRunsFast) {
 }
 
 TEST(LwnxStream, DelayAndJitterKeepTheOrder) {
-  LwnxSettings settings = ready(LwnxModel::Sf000);
+  LwnxSettings settings = sf000_at_1_khz();
   settings.delays.record = {5ms, 2ms};
   LwnxBench bench(settings);
   bench.say(write_request(30, 5, 4), Stamp{});
@@ -99,7 +99,7 @@ TEST(LwnxStream, DelayAndJitterKeepTheOrder) {
 TEST(LwnxStream, EqualSeedsGiveEqualBytes) {
   std::vector<Bytes> runs;
   for (const std::uint64_t seed : {7U, 7U, 8U}) {
-    LwnxSettings settings = ready(LwnxModel::Sf000);
+    LwnxSettings settings = sf000_at_1_khz();
     settings.delays.record = {5ms, 2ms};
     settings.seed = seed;
     LwnxBench bench(settings);

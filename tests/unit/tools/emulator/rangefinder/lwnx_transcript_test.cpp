@@ -108,8 +108,11 @@ TEST(LwnxTranscript, AnswersToWritesAreSettable) {
   EXPECT_EQ(bench.say(write_request(93, 8, 1)), read_request(93));
 }
 
-TEST(LwnxTranscript, Lw24TakesTwoBytesOfUpdateRate) {
-  LwnxBench bench(ready(LwnxModel::Lw24));
+TEST(LwnxTranscript, TheUpdateRateMayTakeTwoBytes) {
+  LwnxSettings settings = ready(LwnxModel::Lw24);  // two in its guide, one in those of its relatives
+  settings.product.find(66)->read_bytes = 2;
+  settings.product.find(66)->write_bytes = 2;
+  LwnxBench bench(settings);
   EXPECT_TRUE(bench.say(write_request(66, 3, 1)).empty());
   EXPECT_FALSE(bench.say(write_request(66, 3, 2)).empty());
 }

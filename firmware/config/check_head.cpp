@@ -1,0 +1,146 @@
+#include "firmware/config/rules.hpp"
+#include "firmware/device/head_drivers.hpp"
+#include "firmware/scan/scan_plan.hpp"
+
+#include <cmath>
+#include <string>
+
+namespace slamsensor::firmware {
+namespace {
+
+void check_scan(Rules& rules) {
+  const ScanConfig& scan = rules.config().scan_head.scan;
+  const double lines = std::floor((scan.tilt_max_rad - scan.tilt_min_rad) / scan.tilt_step_rad) + 1.0;
+  rules.require(scan.pan_min_rad < scan.pan_max_rad, {"scan.pan_min_deg", "scan.pan_max_deg"},
+                "is not below");
+  rules.require(scan.tilt_min_rad <= scan.tilt_max_rad, {"scan.tilt_min_deg", "scan.tilt_max_deg"},
+                "is above");
+  rules.require(lines <= kScanlinesMax, {"scan.tilt_step_deg", "scan.tilt_min_deg", "scan.tilt_max_deg"},
+                "makes " + real_text(lines) + " scanlines, more than the allowed " +
+                    std::to_string(kScanlinesMax) + ", with");
+  rules.require(scan.calibration_lines % 2 == 0, {"scan.calibration_lines"},
+                "is odd, but each line needs one swept the other way");
+  rules.require(rules.config().scan_head.pan_fit.polls_min <= scan.polls_per_line_max,
+                {"pan_fit.polls_min", "scan.polls_per_line_max"}, "is above");
+}
+
+void check_reopen(Rules& rules) {
+  const HeadConfig& head = rules.config().head;
+  rules.require(head.pan_tilt_port.reopen.first <= head.pan_tilt_port.reopen.longest,
+                {"pan_tilt_port.reopen_first_s", "pan_tilt_port.reopen_longest_s"}, "is above");
+  rules.require(head.rangefinder_port.reopen.first <= head.rangefinder_port.reopen.longest,
+                {"rangefinder_port.reopen_first_s", "rangefinder_port.reopen_longest_s"}, "is above");
+}
+
+void check_pan_tilt(Rules& rules) {
+  const hal::PtuConfig& ptu = rules.config().head.ptu;
+  const hal::CanopenConfig& canopen = rules.config().head.canopen;
+  rules.require(ptu.rest_poll_hz <= ptu.poll_hz, {"ptu.rest_poll_hz", "ptu.poll_hz"}, "is above");
+  rules.require(ptu.fast_baud == 0 || ptu.fast_baud >= 300, {"ptu.fast_baud"},
+                "is neither 0 nor at least 300");
+  rules.require(canopen.rest_poll_hz <= canopen.poll_hz, {"canopen.rest_poll_hz", "canopen.poll_hz"},
+                "is above");
+  rules.require(canopen.heartbeat < canopen.heartbeat_timeout,
+                {"canopen.heartbeat_s", "canopen.heartbeat_timeout_s"}, "is not below");
+  rules.require(canopen.retry_first <= canopen.retry_longest,
+                {"canopen.retry_first_s", "canopen.retry_longest_s"}, "is above");
+  rules.require(canopen.pan.node != canopen.tilt.node, {"canopen_pan.node", "canopen_tilt.node"},
+                "is the same as");
+  rules.require(canopen.pan.min_rad < canopen.pan.max_rad, {"canopen_pan.min_deg", "canopen_pan.max_deg"},
+                "is not below");
+  rules.require(canopen.tilt.min_rad < canopen.tilt.max_rad, {"canopen_tilt.min_deg", "canopen_tilt.max_deg"},
+                "is not below");
+}
+
+bool strengths_agree(const hal::RangeConfig& range) {
+  return range.weak_below < range.saturated_from;
+}
+
+bool id_fits(std::uint32_t id, bool is_extended) {
+  return is_extended || id <= 0x7FF;
+}
+
+void check_rangefinder(Rules& rules) {
+  const HeadConfig& head = rules.config().head;
+  const hal::BenewakeCanConfig& can = head.benewake_can;
+  rules.require(strengths_agree(head.lwnx.range), {"lwnx.weak_below", "lwnx.saturated_from"}, "is not below");
+  rules.require(strengths_agree(head.benewake_serial.device.range),
+                {"benewake.weak_below", "benewake.saturated_from"}, "is not below");
+  rules.require(strengths_agree(head.point_laser.range),
+                {"point_laser.weak_below", "point_laser.saturated_from"}, "is not below");
+  rules.require(id_fits(can.device_id, can.device_id_is_extended),
+                {"benewake_can.device_id", "benewake_can.device_id_is_extended"},
+                "has more than 11 bits with");
+  rules.require(id_fits(can.host_id, can.host_id_is_extended),
+                {"benewake_can.host_id", "benewake_can.host_id_is_extended"}, "has more than 11 bits with");
+}
+
+void check_ports(Rules& rules) {
+  const HeadConfig& head = rules.config().head;
+  const std::string& nmea = rules.config().daemon.nmea_serial.path;
+  const bool has_pan_tilt = head.pan_tilt == PanTiltKind::Ptu;
+  const bool has_rangefinder = head.rangefinder != RangefinderKind::BenewakeCan;
+  rules.require(!has_pan_tilt || !has_rangefinder || head.pan_tilt_port.path != head.rangefinder_port.path,
+                {"pan_tilt_port.path", "rangefinder_port.path"}, "is the same as");
+  rules.require(!has_pan_tilt || nmea != head.pan_tilt_port.path, {"nmea.serial_path", "pan_tilt_port.path"},
+                "is the same as");
+  rules.require(!has_rangefinder || nmea != head.rangefinder_port.path,
+                {"nmea.serial_path", "rangefinder_port.path"}, "is the same as");
+}
+
+/// The chosen one of the two, which share their settings; the bus allows less.
+RangefinderKind benewake_kind(const HeadConfig& head) {
+  return head.rangefinder == RangefinderKind::BenewakeCan ? RangefinderKind::BenewakeCan
+                                                          : RangefinderKind::BenewakeSerial;
+}
+
+/// Makes links and drivers as the daemon will; nothing is opened by that.
+void try_head(Rules& rules, const HeadConfig& head) {
+  const auto refuse = [&](const hal::InitError& error) {
+    const std::size_t colon = error.message.find(": ");
+    rules.refuse_section(std::string_view(error.message).substr(0, colon), error.message.substr(colon + 2));
+  };
+  const auto links = open_head_links(head);
+  if (!links) {
+    refuse(links.error());
+    return;
+  }
+  if (const auto drivers = make_head_drivers(head, links->get()); !drivers) {
+    refuse(drivers.error());
+  }
+}
+
+/// A driver is made of every kind, also of those not chosen: what none of them refuses here, the daemon's
+/// will not refuse later.
+void check_drivers(Rules& rules) {
+  const HeadConfig& chosen = rules.config().head;
+  for (const PanTiltKind kind : {PanTiltKind::Ptu, PanTiltKind::Canopen}) {
+    HeadConfig head = chosen;
+    head.pan_tilt = kind;
+    head.rangefinder = benewake_kind(chosen);
+    const hal::BenewakeCanConfig& can = chosen.benewake_can;
+    if (head.rangefinder != RangefinderKind::BenewakeCan ||
+        id_fits(can.device_id, can.device_id_is_extended)) {
+      try_head(rules, head);
+    }
+  }
+  for (const RangefinderKind kind : {RangefinderKind::Lwnx, RangefinderKind::PointLaser}) {
+    HeadConfig head = chosen;
+    head.pan_tilt = PanTiltKind::Ptu;
+    head.rangefinder = kind;
+    try_head(rules, head);
+  }
+}
+
+}  // namespace
+
+void check_head(Rules& rules) {
+  check_ports(rules);
+  check_reopen(rules);
+  check_pan_tilt(rules);
+  check_rangefinder(rules);
+  check_scan(rules);
+  check_drivers(rules);
+}
+
+}  // namespace slamsensor::firmware

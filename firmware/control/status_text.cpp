@@ -1,0 +1,144 @@
+#include "firmware/control/status_text.hpp"
+
+#include "core/config.hpp"
+#include "core/fix_names.hpp"
+#include "firmware/supervision/decimal_text.hpp"
+#include "firmware/supervision/status_line.hpp"
+#include "firmware/supervision/status_parts.hpp"
+
+namespace slamsensor::firmware {
+namespace {
+
+std::string field(std::string_view name, std::string_view value) {
+  std::string line(name);
+  line += ':';
+  line.resize(std::max<std::size_t>(line.size() + 1, 16), ' ');
+  line += value;
+  return line;
+}
+
+std::string seconds(hal::Stamp time) {
+  return decimal_text(hal::to_seconds(time), 1) + " s";
+}
+
+std::string milliseconds(hal::Stamp time) {
+  return decimal_text(1e3 * hal::to_seconds(time), 2) + " ms";
+}
+
+std::string device_text(const DeviceStatus& device) {
+  std::string text(to_string(device.state));
+  if (!device.model.view().empty()) {
+    text += ", " + std::string(device.model.view());
+  }
+  if (!device.problem.empty()) {
+    text += ": " + std::string(device.problem);
+  }
+  if (device.recoveries > 0) {
+    text += "; recovered " + std::to_string(device.recoveries) + " times, the last within " +
+            milliseconds(device.last_recovery);
+  }
+  return text;
+}
+
+std::string map_text(const SensorStatus& status) {
+  std::string text(status.map_name.view());
+  text += ", " + std::to_string(status.slam.landmarks) + " landmarks";
+  text += status.slam.frozen ? ", frozen" : "";
+  if (status.map_saved_ago == hal::kNever) {
+    return text + (status.map_unsaved ? ", not saved yet" : ", nothing to save");
+  }
+  return text + (status.map_unsaved ? ", changed since it was saved " : ", saved ") +
+         seconds(status.map_saved_ago) + " ago";
+}
+
+std::string scan_text(const HeadStatus& head) {
+  std::string text(head.phase);
+  text += ", scan " + std::to_string(head.scan) + ", line " + std::to_string(head.line) + " of " +
+          std::to_string(head.lines) + ", " + decimal_text(head.readings_hz, 0) + " readings/s";
+  if (head.held) {
+    text += ", held";
+  }
+  return head.problem.empty() ? text : text + ": " + std::string(head.problem);
+}
+
+std::string slam_text(const SlamStatus& slam) {
+  return std::to_string(slam.fixes) + " fixes of " + std::to_string(slam.scans) + " scans, " +
+         std::to_string(slam.hypotheses) + " hypotheses, end of scan to fix " +
+         milliseconds(slam.process_last) + " (worst " + milliseconds(slam.process_max) + ')';
+}
+
+void append_pose(std::vector<std::string>& lines, const core::Fix& fix) {
+  lines.push_back(field("x", decimal_text(fix.pose_W.x_m, 3) + " m"));
+  lines.push_back(field("y", decimal_text(fix.pose_W.y_m, 3) + " m"));
+  lines.push_back(field("heading", decimal_text(fix.pose_W.heading_rad / core::kDegree, 2) +
+                                       " deg, counter-clockwise from the map's x axis"));
+  if (const auto sigma = pose_sigma(fix)) {
+    lines.push_back(field("1 sigma", decimal_text(sigma->position_m, 3) + " m, " +
+                                         decimal_text(sigma->heading_rad / core::kDegree, 2) + " deg"));
+  }
+  lines.push_back(field("error xi", std::to_string(fix.error_xi)));
+}
+
+}  // namespace
+
+std::vector<std::string> status_text(const SensorStatus& status) {
+  const FixReport& report = status.report;
+  std::vector<std::string> lines = {
+      field("state", to_string(status.state)), field("fix", fix_phrase(report.fix)),
+      field("map", map_text(status)),          field("scan", scan_text(status.head)),
+      field("slam", slam_text(status.slam)),
+  };
+  for (std::string& line : devices_text(status)) {
+    lines.push_back(std::move(line));
+  }
+  lines.push_back(field("latency", decimal_text(1e3 * status.head.latency_s, 3) + " ms, 1 sigma " +
+                                       decimal_text(1e3 * status.head.latency_sigma_s, 3) + " ms"));
+  lines.push_back(field("first fix", report.time_to_first_fix
+                                         ? seconds(*report.time_to_first_fix) + " after start"
+                                         : "not yet"));
+  lines.push_back(field("uptime", seconds(report.uptime)));
+  lines.push_back(field("source", to_string(report.source)));
+  lines.push_back(field("real time", status.realtime ? "yes" : "no: the log says what is missing"));
+  lines.push_back(field("recording", status.recording ? "yes" : "no"));
+  return lines;
+}
+
+std::vector<std::string> fix_text(const SensorStatus& status) {
+  const core::Fix& fix = status.report.fix;
+  std::vector<std::string> lines = {
+      field("status", to_string(fix.status)),
+      field("reason", to_string(fix.reason)),
+  };
+  if (has_pose(fix)) {
+    append_pose(lines, fix);
+  }
+  lines.push_back(field("landmarks", std::to_string(fix.matches) + " of " +
+                                         std::to_string(fix.landmarks_seen) + " matched, " +
+                                         std::to_string(fix.landmarks_in_map) + " in the map"));
+  lines.push_back(field("false alarms", decimal_text(fix.expected_false_alarms, 9) + " expected"));
+  lines.push_back(field("search", to_string(fix.search_end)));
+  lines.push_back(field("scan", std::to_string(fix.scan)));
+  lines.push_back(field("jumps", std::to_string(fix.jumps)));
+  return lines;
+}
+
+std::vector<std::string> devices_text(const SensorStatus& status) {
+  std::vector<std::string> lines;
+  for (const NamedDevice& device : devices_of(status)) {
+    lines.push_back(field(device.title, device_text(*device.status)));
+  }
+  return lines;
+}
+
+std::vector<std::string> counters_text(const SensorStatus& status) {
+  std::vector<std::string> lines;
+  for (const NamedCounters& station : counters_of(status)) {
+    for (const hal::Counter& counter : station.table->all()) {
+      lines.push_back(std::string(station.key) + '.' + std::string(counter.name) + ' ' +
+                      std::to_string(counter.value));
+    }
+  }
+  return lines;
+}
+
+}  // namespace slamsensor::firmware

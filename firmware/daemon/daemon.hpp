@@ -1,0 +1,70 @@
+#pragma once
+
+#include "firmware/config/layered_config.hpp"
+#include "firmware/control/control_server.hpp"
+#include "firmware/daemon/daemon_control.hpp"
+#include "firmware/daemon/map_keeper.hpp"
+#include "firmware/daemon/recording_keeper.hpp"
+#include "firmware/daemon/sensor_threads.hpp"
+#include "firmware/output/output_time.hpp"
+#include "firmware/supervision/exit_status.hpp"
+#include "firmware/supervision/log.hpp"
+#include "firmware/supervision/service_notifier.hpp"
+#include "firmware/supervision/signals.hpp"
+#include "firmware/supervision/watchdog.hpp"
+
+#include <tl/expected.hpp>
+
+#include <memory>
+#include <string>
+
+namespace slamsensor::firmware {
+
+/// Why the daemon cannot start.
+struct StartFailure {
+  ExitReason reason = ExitReason::Fault;
+  std::string message;
+};
+
+/// The daemon: the threads of the sensor, and the supervisor that owns signals, watchdog, reloads, control
+/// socket, map store and recordings (DESIGN 5). Everything here is on the main thread.
+class Daemon {
+ public:
+  /// Takes all memory, opens devices and sockets, loads the map; nothing runs yet. `log` outlives it.
+  [[nodiscard]] static tl::expected<std::unique_ptr<Daemon>, StartFailure> create(LayeredConfig config,
+                                                                                  SourceMode source,
+                                                                                  Log& log);
+
+  /// Runs until a signal ends it.
+  [[nodiscard]] tl::expected<void, StartFailure> run();
+
+ private:
+  Daemon(LayeredConfig config, Signals signals, std::unique_ptr<SensorThreads> threads, Log& log,
+         hal::Stamp now);
+
+  void turn(const OutputTime& now);
+  void wait();
+  void take_signals(const OutputTime& now);
+  void reload(const OutputTime& now);
+  void tell_manager(hal::Stamp now);
+  void tell_facts(hal::Stamp now);
+  [[nodiscard]] tl::expected<void, StartFailure> stop();
+
+  LayeredConfig config_;
+  Log& log_;
+  Signals signals_;
+  ServiceNotifier notifier_;
+  std::unique_ptr<SensorThreads> threads_;
+  MapKeeper maps_;
+  RecordingKeeper recordings_;
+  DaemonControl control_;
+  std::unique_ptr<ControlServer> server_;
+  Watchdog watchdog_;
+  bool is_ready_ = false;
+  bool is_stopping_ = false;
+  hal::Stamp told_{};
+  hal::Stamp facts_told_{};
+  hal::Stamp extended_{};
+};
+
+}  // namespace slamsensor::firmware

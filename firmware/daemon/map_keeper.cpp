@@ -1,0 +1,229 @@
+#include "firmware/daemon/map_keeper.hpp"
+
+#include "firmware/daemon/refusal.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace slamsensor::firmware {
+namespace {
+
+MapMethod method_of(const core::Config& config) {
+  return {config.association.tolerance_m, config.detection.range_step_m, config.detection.bearing_step_rad,
+          config.association.depth, config.detection.landmarks_max};
+}
+
+}  // namespace
+
+MapKeeper::MapKeeper(const Config& config, SensorThreads& threads, Log& log, hal::Stamp now)
+    : config_(config),
+      threads_(threads),
+      log_(log),
+      store_(config.daemon.map_store.directory, config.core.capacities),
+      policy_(hal::from_seconds(config.daemon.map_store.autosave_s), now),
+      name_(config.daemon.map_store.name),
+      is_frozen_(config.daemon.map_store.frozen) {
+  about_.name = name_;
+}
+
+void MapKeeper::load_at_start() {
+  if (auto prepared = store_.prepare(); !prepared) {
+    log_.error(prepared.error().message + "; running without saving until that is mended");
+  }
+  auto loaded = store_.load(name_);
+  if (!loaded) {
+    if (loaded.error().fault == StoreFault::Missing) {
+      log_.notice("no map '" + name_ + "' yet: a new one begins with the first scan");
+    } else {
+      log_.error(loaded.error().message + "; starting without it");
+    }
+    return;
+  }
+  if (!loaded->warning.empty()) {
+    log_.warning(loaded->warning);
+  }
+  static_cast<void>(give({SlamOrder::Kind::Restore, 0, name_, std::move(*loaded)}));
+}
+
+bool MapKeeper::give(Pending pending) {
+  if (pending_) {
+    return false;
+  }
+  pending_ = std::move(pending);
+  const SlamOrder order{pending_->kind, pending_->map ? pending_->map->file.state() : core::MapState{}};
+  const bool is_given = threads_.slam_orders().give(order);
+  if (!is_given) {
+    pending_.reset();
+    return false;
+  }
+  threads_.wake_slam();
+  return true;
+}
+
+ControlOutcome MapKeeper::ask(Pending pending) {
+  if (!give(std::move(pending))) {
+    return refusal(ControlErrorCode::Busy, "the map is being changed by another request; try again");
+  }
+  return std::nullopt;
+}
+
+std::vector<MapKeeper::Answer> MapKeeper::step(hal::Stamp now, std::int64_t utc_s) {
+  if (pending_ && !answer_) {
+    answer_ = threads_.slam_orders().answer();
+  }
+  if (pending_ && answer_ && is_published(*answer_)) {
+    finish_order(now);
+  }
+  if (mode_wanted_ && !set_mode(0, *mode_wanted_, now, utc_s)) {
+    mode_wanted_.reset();  // given; else another order is under way
+  }
+  if (!is_frozen_ && policy_.is_due(revision(), now)) {
+    if (auto saved = store(name_, now, utc_s); !saved) {
+      log_.error(saved.error().message);
+    }
+  }
+  return std::exchange(answers_, {});
+}
+
+/// Whether map and status that others see are those after the order: who has its answer may rely on them.
+bool MapKeeper::is_published(const SlamAnswer& answer) const {
+  return threads_.publish().with_map([&](const MapSnapshot& map) {
+    return map.revision() >= answer.revision;
+  }) && threads_.publish().status().slam.map_revision >= answer.revision;
+}
+
+void MapKeeper::finish_order(hal::Stamp now) {
+  const Pending pending = std::move(*std::exchange(pending_, std::nullopt));
+  const SlamAnswer answer = *std::exchange(answer_, std::nullopt);
+  if (tap_ && answer.check.ok()) {
+    tap_(pending.kind, answer);
+  }
+  auto result = carried_out(pending, answer, now);
+  if (pending.token != 0) {
+    answers_.push_back({pending.token, std::move(result)});
+  } else if (result) {
+    log_.notice(result->summary);
+  } else {
+    log_.error(result.error().message);
+  }
+}
+
+ControlResult MapKeeper::carried_out(const Pending& pending, const SlamAnswer& answer, hal::Stamp now) {
+  switch (pending.kind) {
+    case SlamOrder::Kind::Restore: {
+      const MapFile& file = pending.map->file;
+      if (!answer.check.ok()) {
+        return refusal(ControlErrorCode::Refused,
+                       pending.map->path.string() + ": " +
+                           flaw_text(answer.check, file.state(), config_.core.capacities));
+      }
+      forget_map(answer.revision);
+      name_ = pending.name;
+      about_ = file.about;
+      about_.name = name_;
+      saved_ = now;
+      return ControlReply{"map '" + name_ + "' loaded: " + std::to_string(file.landmarks.size()) +
+                              " landmarks, saved " + utc_text(file.about.saved_utc_s),
+                          {}};
+    }
+    case SlamOrder::Kind::Reset:
+      forget_map(answer.revision);
+      about_ = {};
+      about_.name = name_;
+      return ControlReply{"map forgotten; the next scan begins a new one", {}};
+    case SlamOrder::Kind::Freeze:
+      is_frozen_ = true;
+      return ControlReply{"map frozen", {}};
+    case SlamOrder::Kind::Unfreeze:
+      is_frozen_ = false;
+      return ControlReply{"map grows again", {}};
+    case SlamOrder::Kind::DropRivals:
+      break;
+  }
+  return refusal(ControlErrorCode::Failed, "unknown order");
+}
+
+void MapKeeper::forget_map(std::uint64_t revision) {
+  valid_from_ = revision;
+  policy_.saved(revision, hal::monotonic_now());
+  ++replaced_;
+}
+
+/// Of the map that is there to be saved; that of an earlier map counts as saved.
+std::uint64_t MapKeeper::revision() const {
+  return std::max(valid_from_,
+                  threads_.publish().with_map([](const MapSnapshot& map) { return map.revision(); }));
+}
+
+bool MapKeeper::is_unsaved() const {
+  return policy_.is_unsaved(revision());
+}
+
+tl::expected<std::string, StoreError> MapKeeper::store(const std::string& name, hal::Stamp now,
+                                                       std::int64_t utc_s) {
+  MapAbout about = about_;
+  about.name = name;
+  about.method = method_of(config_.core);
+  if (config_.datum) {
+    about.datum = config_.datum;
+  }
+  // Saved from a copy: publishing does not wait for the disk.
+  threads_.publish().with_map([&](const MapSnapshot& map) { snapshot_ = map; });
+  if (snapshot_.empty() || snapshot_.revision() < valid_from_) {
+    return store_failure(StoreFault::Missing, "there is no map to save yet; make a scan first");
+  }
+  const std::uint64_t revision = snapshot_.revision();
+  const std::size_t landmarks = snapshot_.state().landmarks.size();
+  auto saved = store_.save(about, snapshot_.state(), utc_s);
+  if (!saved) {
+    policy_.failed(now);
+    return tl::unexpected(saved.error());
+  }
+  for (const std::string& warning : saved->warnings) {
+    log_.warning(warning);
+  }
+  if (name == name_) {
+    about_ = saved->about;
+    saved_ = now;
+    policy_.saved(revision, now);
+  }
+  return "map '" + name + "' saved: " + std::to_string(landmarks) + " landmarks, " +
+         std::to_string(saved->bytes) + " bytes";
+}
+
+void MapKeeper::save_now(hal::Stamp now, std::int64_t utc_s) {
+  if (is_frozen_ || !is_unsaved()) {
+    return;
+  }
+  if (auto saved = store(name_, now, utc_s)) {
+    log_.notice(*saved);
+  } else {
+    log_.error(saved.error().message);
+  }
+}
+
+void MapKeeper::save_at_end(hal::Stamp now, std::int64_t utc_s) {
+  threads_.publish().refresh_map();
+  if (config_.daemon.map_store.autosave_s > 0.0) {
+    save_now(now, utc_s);
+  }
+}
+
+void MapKeeper::set_config(const Config& config) {
+  if (const bool frozen = config.daemon.map_store.frozen; frozen != config_.daemon.map_store.frozen) {
+    mode_wanted_ = frozen ? MapMode::Frozen : MapMode::Growing;
+  }
+  config_ = config;
+  policy_.set_period(hal::from_seconds(config.daemon.map_store.autosave_s));
+}
+
+std::vector<std::uint8_t> MapKeeper::encoded() {
+  MapAbout about = about_;
+  about.method = method_of(config_.core);
+  return threads_.publish().with_map([&](const MapSnapshot& map) {
+    return map.empty() || map.revision() < valid_from_ ? std::vector<std::uint8_t>()
+                                                       : encode_map(about, map.state());
+  });
+}
+
+}  // namespace slamsensor::firmware

@@ -1,0 +1,107 @@
+#pragma once
+
+#include "firmware/config/config.hpp"
+#include "firmware/control/control_answer.hpp"
+#include "firmware/control/control_target.hpp"
+#include "firmware/daemon/sensor_threads.hpp"
+#include "firmware/store/autosave_policy.hpp"
+#include "firmware/store/map_store.hpp"
+#include "firmware/supervision/log.hpp"
+#include "hal/stamp.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slamsensor::firmware {
+
+/// The supervisor's hand on the map: loads it at start, saves it when it has changed, and carries out what
+/// the control socket asks. A map that cannot be read or written is told and never ends the daemon. One
+/// thread, which waits for the disk but not for the SLAM thread.
+class MapKeeper {
+ public:
+  /// An answer to a request that could not be answered at once.
+  struct Answer {
+    ControlToken token = 0;
+    ControlResult result;
+  };
+  /// Is told each order that the SLAM thread has carried out, for a recording.
+  using OrderTap = std::function<void(SlamOrder::Kind, const SlamAnswer&)>;
+
+  /// `threads` and `log` outlive this.
+  MapKeeper(const Config& config, SensorThreads& threads, Log& log, hal::Stamp now);
+
+  /// Has the SLAM thread go on from the stored map, if there is a good one.
+  void load_at_start();
+  /// Gets the SLAM thread's answer, saves what is due; the answers that are ready now.
+  [[nodiscard]] std::vector<Answer> step(hal::Stamp now, std::int64_t utc_s);
+  /// Saves what is not saved: before the end, when the SLAM thread has stopped.
+  void save_at_end(hal::Stamp now, std::int64_t utc_s);
+  /// Saves what is not saved, and tells what came of it in the log.
+  void save_now(hal::Stamp now, std::int64_t utc_s);
+
+  /// Of what can change live, what `config` says counts from now on; map.frozen with the next step.
+  void set_config(const Config& config);
+  void set_order_tap(OrderTap tap) { tap_ = std::move(tap); }
+
+  // Requests of the control socket (ControlTarget).
+  [[nodiscard]] ControlResult list();
+  [[nodiscard]] ControlResult info();
+  [[nodiscard]] ControlResult save(std::string_view name, hal::Stamp now, std::int64_t utc_s);
+  [[nodiscard]] ControlResult remove(std::string_view name);
+  [[nodiscard]] ControlOutcome load(ControlToken token, std::string_view name);
+  [[nodiscard]] ControlOutcome reset(ControlToken token, hal::Stamp now, std::int64_t utc_s);
+  [[nodiscard]] ControlOutcome set_mode(ControlToken token, MapMode mode, hal::Stamp now, std::int64_t utc_s);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::optional<hal::Stamp> saved() const { return saved_; }
+  [[nodiscard]] bool is_unsaved() const;
+  [[nodiscard]] bool is_frozen() const { return is_frozen_; }
+  /// Loads and resets so far.
+  [[nodiscard]] std::uint32_t replaced() const { return replaced_; }
+  /// That the map in use was saved with.
+  [[nodiscard]] const std::optional<Datum>& datum() const { return about_.datum; }
+  /// The map as its file, for a recording; empty when there is none.
+  [[nodiscard]] std::vector<std::uint8_t> encoded();
+
+ private:
+  struct Pending {
+    SlamOrder::Kind kind = SlamOrder::Kind::Reset;
+    ControlToken token = 0;  // 0: nobody waits for an answer
+    std::string name;
+    std::optional<LoadedMap> map;
+  };
+
+  [[nodiscard]] bool give(Pending pending);
+  [[nodiscard]] ControlOutcome ask(Pending pending);
+  [[nodiscard]] bool is_published(const SlamAnswer& answer) const;
+  void finish_order(hal::Stamp now);
+  [[nodiscard]] ControlResult carried_out(const Pending& pending, const SlamAnswer& answer, hal::Stamp now);
+  [[nodiscard]] tl::expected<std::string, StoreError> store(const std::string& name, hal::Stamp now,
+                                                            std::int64_t utc_s);
+  void forget_map(std::uint64_t revision);
+  [[nodiscard]] std::uint64_t revision() const;
+
+  Config config_;
+  SensorThreads& threads_;
+  Log& log_;
+  MapStore store_;
+  AutosavePolicy policy_;
+  std::string name_;
+  MapAbout about_;
+  std::optional<hal::Stamp> saved_;
+  std::optional<Pending> pending_;
+  std::optional<SlamAnswer> answer_;    // to it
+  std::optional<MapMode> mode_wanted_;  // by a changed setting
+  MapSnapshot snapshot_;
+  std::uint64_t valid_from_ = 0;  // maps of earlier revisions are those before the last load or reset
+  std::uint32_t replaced_ = 0;
+  bool is_frozen_;
+  OrderTap tap_;
+  std::vector<Answer> answers_;
+};
+
+}  // namespace slamsensor::firmware

@@ -1,0 +1,68 @@
+#pragma once
+
+#include "firmware/daemon/device_watch.hpp"
+#include "firmware/daemon/head_runtime.hpp"
+#include "firmware/daemon/mailbox.hpp"
+#include "firmware/daemon/periodic_timer.hpp"
+#include "firmware/daemon/scan_queue.hpp"
+#include "firmware/daemon/wakeup.hpp"
+#include "firmware/gpio/gpio_panel.hpp"
+#include "firmware/scan/scan_config.hpp"
+#include "firmware/status/sensor_status.hpp"
+#include "hal/stamp.hpp"
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+namespace slamsensor::firmware {
+
+/// What the other threads want of the scan thread; each value may be set by any of them.
+struct ScanOrders {
+  std::atomic<std::uint32_t> scans_requested{0};  ///< since start
+  std::atomic<std::uint32_t> aborts_requested{0};
+  std::atomic<bool> paused{false};
+  std::atomic<ScanMode> mode{ScanMode::Continuous};
+};
+
+/// From bytes to scanlines: the body of the scan thread. What the head is told beside the devices' bytes goes
+/// onto the tape too, when there is one. No allocation after construction, no lock, no clock;
+/// one thread.
+class ScanLoop {
+ public:
+  /// The others outlive this. `panel` may be null: no trigger, no interlock.
+  ScanLoop(HeadRuntime& head, GpioInputs* panel, ScanOrders& orders, ScanQueue& queue, Wakeup& slam,
+           Mailbox<HeadStatus>& status);
+
+  /// One look at the devices. `timer` is the thread's, for the report.
+  void step(hal::Stamp now, const PeriodicTimer& timer) noexcept;
+
+ private:
+  void obey(hal::Stamp now) noexcept;
+  void command(TapeCommand what, std::uint64_t argument = 0) noexcept;
+  void set_hold(HoldReason reason, bool is_held) noexcept;
+  void hand_on(hal::Stamp now) noexcept;
+  void report(hal::Stamp now, const PeriodicTimer& timer) noexcept;
+  void measure_rate(hal::Stamp now) noexcept;
+
+  HeadRuntime& head_;
+  GpioInputs* panel_;
+  ScanOrders& orders_;
+  ScanQueue& queue_;
+  Wakeup& slam_;
+  Mailbox<HeadStatus>& status_;
+  DeviceWatch pan_tilt_watch_;
+  DeviceWatch rangefinder_watch_;
+  std::array<bool, kHoldReasons> is_held_{};
+  std::optional<ScanMode> mode_;
+  std::uint32_t scans_requested_;
+  std::uint32_t aborts_requested_;
+  std::uint32_t scan_ = 0;
+  hal::Stamp reported_{};
+  hal::Stamp rate_since_{};
+  std::uint64_t rate_readings_ = 0;
+  double rate_hz_ = 0.0;
+};
+
+}  // namespace slamsensor::firmware

@@ -1,0 +1,95 @@
+#pragma once
+
+#include "core/fix.hpp"
+#include "core/landmark.hpp"
+#include "core/limits.hpp"
+#include "firmware/config/config.hpp"
+#include "firmware/daemon/mailbox.hpp"
+#include "firmware/daemon/scan_queue.hpp"
+#include "firmware/daemon/slam_orders.hpp"
+#include "firmware/pipeline.hpp"
+#include "firmware/status/sensor_status.hpp"
+#include "firmware/store/map_snapshot.hpp"
+#include "hal/counters.hpp"
+#include "hal/stamp.hpp"
+
+#include <boost/lockfree/spsc_queue.hpp>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <span>
+
+namespace slamsensor::firmware {
+
+/// What the SLAM thread made of a scan.
+struct FixMessage {
+  core::Fix fix;
+  hal::Stamp scan_ended{};  ///< when the scan thread came to know of the end of the scan
+  hal::Stamp made{};
+  std::uint32_t landmark_count = 0;
+  std::array<core::ScanLandmark, core::kScanLandmarksMax> landmarks;  ///< seen in it, heaviest first
+
+  [[nodiscard]] std::span<const core::ScanLandmark> seen() const noexcept {
+    return {landmarks.data(), landmark_count};
+  }
+};
+
+/// Where the SLAM thread puts what others read; each has one reader.
+struct SlamOutlets {
+  explicit SlamOutlets(const core::Capacities& capacities) : map(MapSnapshot(capacities)) {}
+
+  boost::lockfree::spsc_queue<FixMessage> fixes{8};
+  Mailbox<SlamStatus> status;
+  Mailbox<MapSnapshot> map;
+};
+
+/// Clocks that the SLAM thread is lent. `monotonic` is asked during a search; `utc_ahead` is by how much UTC
+/// is ahead of it now. A search ends at once when `is_stopping` is set.
+struct SlamClock {
+  core::Deadline::Clock monotonic = nullptr;
+  hal::Stamp utc_ahead{};
+  const std::atomic<bool>* is_stopping = nullptr;
+};
+
+enum class SlamEvent : std::uint8_t {
+  ScansLocalised,
+  ScansGivenUp,
+  FixesDropped,     ///< nobody took them
+  ScanlinesLacking  ///< of localised scans: dropped on the way because SLAM was busy
+};
+
+/// From scanlines to fixes: the body of the SLAM thread. No allocation after construction, no lock, no clock
+/// of its own; one thread.
+class SlamLoop {
+ public:
+  /// The others outlive this.
+  SlamLoop(const Config& config, ScanQueue& scans, SlamOrders& orders, SlamOutlets& outlets);
+
+  /// Carries out an order, or folds in the next message of the queue; false when there was neither.
+  [[nodiscard]] bool step(const SlamClock& clock) noexcept;
+
+  [[nodiscard]] const core::Slam& slam() const noexcept { return pipeline_.slam(); }
+
+ private:
+  void carry_out(const SlamOrder& order) noexcept;
+  void take(const ScanItem& message, const SlamClock& clock) noexcept;
+  void localise(const QueuedEnd& end, const SlamClock& clock) noexcept;
+  void give_up(const ScanAborted& scan, const SlamClock& clock) noexcept;
+  void send(const core::Fix& fix, hal::Stamp now) noexcept;
+  void post_map() noexcept;
+  void post_status() noexcept;
+
+  hal::Stamp deadline_;
+  Pipeline pipeline_;
+  ScanQueue& scans_;
+  SlamOrders& orders_;
+  SlamOutlets& outlets_;
+  FixMessage message_;  // in the making
+  SlamStatus status_;
+  std::uint64_t revision_posted_ = 0;
+  std::uint32_t lines_ = 0;  // of the scan under way
+  hal::Counters<SlamEvent, 4> counters_;
+};
+
+}  // namespace slamsensor::firmware

@@ -1,0 +1,71 @@
+#pragma once
+
+#include "core/mapping/map_state.hpp"
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+namespace slamsensor::firmware {
+
+/// What the SLAM thread is told to do with its map, between two scans.
+struct SlamOrder {
+  enum class Kind : std::uint8_t {
+    Reset,    ///< forget everything
+    Restore,  ///< go on from `state`
+    Freeze,
+    Unfreeze,
+    DropRivals,  ///< go on with the best hypothesis alone, as after a Restore
+  };
+  Kind kind = Kind::Reset;
+  core::MapState state;  ///< what it points to stays until the order is answered
+};
+
+/// What came of an order.
+struct SlamAnswer {
+  core::MapCheck check;        ///< of a Restore: a flaw, and then nothing was changed
+  std::uint64_t revision = 0;  ///< of the map afterwards
+  std::uint32_t scans = 0;     ///< localised before it, since start
+};
+
+/// One order at a time from the supervisor to the SLAM thread; neither waits.
+class SlamOrders {
+ public:
+  /// Supervisor: false, and nothing happens, while an order is not answered.
+  [[nodiscard]] bool give(const SlamOrder& order) noexcept {
+    if (phase_.load(std::memory_order_acquire) != Phase::Free) {
+      return false;
+    }
+    order_ = order;
+    phase_.store(Phase::Given, std::memory_order_release);
+    return true;
+  }
+  /// Supervisor: the answer to the last order, once.
+  [[nodiscard]] std::optional<SlamAnswer> answer() noexcept {
+    if (phase_.load(std::memory_order_acquire) != Phase::Answered) {
+      return std::nullopt;
+    }
+    const SlamAnswer answer = answer_;
+    phase_.store(Phase::Free, std::memory_order_release);
+    return answer;
+  }
+
+  /// SLAM thread: the order to be carried out now, if any.
+  [[nodiscard]] const SlamOrder* order() const noexcept {
+    return phase_.load(std::memory_order_acquire) == Phase::Given ? &order_ : nullptr;
+  }
+  /// SLAM thread: it is carried out.
+  void done(const SlamAnswer& answer) noexcept {
+    answer_ = answer;
+    phase_.store(Phase::Answered, std::memory_order_release);
+  }
+
+ private:
+  enum class Phase : std::uint8_t { Free, Given, Answered };
+
+  std::atomic<Phase> phase_{Phase::Free};
+  SlamOrder order_;
+  SlamAnswer answer_;
+};
+
+}  // namespace slamsensor::firmware

@@ -1,0 +1,134 @@
+#include "firmware/lcm/lcm_sink.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <lcm/lcm.h>
+#include <sys/socket.h>
+#include <unistd.h>
+#include <utility>
+
+namespace slamsensor::firmware {
+namespace {
+
+static_assert(kLcmChannelMax == LCM_MAX_CHANNEL_NAME_LENGTH);
+
+// A message beyond this would be sent in LCM's fragments, which this sensor never needs.
+constexpr std::size_t kPacketMax = 65499;
+
+constexpr hal::ReopenConfig kReopen{.first = std::chrono::seconds(1), .longest = std::chrono::seconds(30)};
+
+constexpr std::string_view kNoRoute =
+    "no route for multicast; start slamsensor-multicast-route.service or: ip route add 224.0.0.0/4 dev IFACE";
+
+// 0 when a datagram to the group would find a way, else why not (errno). liblcm finds out the same, but tells
+// only the standard error output.
+int find_route(const sockaddr_in& group) noexcept {
+  const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) {
+    return errno;
+  }
+  const int result = ::connect(fd, reinterpret_cast<const sockaddr*>(&group), sizeof group);
+  const int error = result == 0 ? 0 : errno;
+  ::close(fd);
+  return error;
+}
+
+}  // namespace
+
+LcmChannel::LcmChannel(std::string_view prefix, std::string_view name) noexcept {
+  std::size_t size = 0;
+  for (const std::string_view part : {prefix, name}) {
+    const std::size_t taken = std::min(part.size(), kLcmChannelMax - size);
+    std::copy_n(part.begin(), taken, text_.begin() + static_cast<std::ptrdiff_t>(size));
+    size += taken;
+  }
+}
+
+LcmSink::LcmSink(LcmUrl url)
+    : url_(std::move(url)),
+      reopen_(kReopen),
+      problem_("not opened yet"),
+      counters_({"lcm_published", "lcm_not_open", "lcm_send_failed", "lcm_opened", "lcm_open_failed"}) {
+}
+
+LcmSink::~LcmSink() {
+  if (lcm_ != nullptr) {
+    ::lcm_destroy(lcm_);
+  }
+}
+
+void LcmSink::set_problem(std::string_view what, int error, std::string_view advice) noexcept {
+  std::array<char, 192> text{};
+  const char* const reason = error != 0 ? ::strerrordesc_np(error) : nullptr;
+  const int size =
+      std::snprintf(text.data(), text.size(), "LCM: %.*s%s%s; %.*s", static_cast<int>(what.size()),
+                    what.data(), reason != nullptr ? ": " : "", reason != nullptr ? reason : "",
+                    static_cast<int>(advice.size()), advice.data());
+  const std::size_t used =
+      std::clamp<std::size_t>(size < 0 ? 0 : static_cast<std::size_t>(size), 0, text.size() - 1);
+  problem_ = hal::FixedText<160>({text.data(), used});
+}
+
+bool LcmSink::open() noexcept {
+  if (url_.transport == LcmTransport::Multicast) {
+    if (const int error = find_route(url_.group); error == ENETUNREACH || error == EHOSTUNREACH) {
+      problem_ = hal::FixedText<160>(kNoRoute);
+      return false;
+    } else if (error != 0) {
+      set_problem("cannot reach its group", error, "tried again by itself");
+      return false;
+    }
+  }
+  lcm_ = ::lcm_create(url_.text.c_str());
+  if (lcm_ == nullptr) {
+    set_problem("liblcm refuses its URL", 0, "see lcm.url, and what liblcm wrote to the log");
+    return false;
+  }
+  return true;
+}
+
+void LcmSink::service(hal::Stamp now) noexcept {
+  if (is_open() || !reopen_.is_due(now)) {
+    return;
+  }
+  if (!open()) {
+    counters_.count(LcmEvent::OpenFailed);
+    reopen_.failed(now);
+    return;
+  }
+  counters_.count(LcmEvent::Opened);
+  reopen_.opened(now);
+  is_failing_ = false;
+  problem_ = {};
+}
+
+bool LcmSink::publish(const LcmChannel& channel, std::span<const std::uint8_t> bytes) noexcept {
+  if (channel.empty() || bytes.empty()) {
+    return false;
+  }
+  if (tap_ != nullptr) {
+    tap_->published(channel.view(), bytes);
+  }
+  if (!is_open()) {
+    counters_.count(LcmEvent::NotOpen);
+    return false;
+  }
+  errno = 0;
+  const bool fits = channel.view().size() + 1 + bytes.size() <= kPacketMax;
+  if (!fits || ::lcm_publish(lcm_, channel.c_str(), bytes.data(), static_cast<unsigned>(bytes.size())) != 0) {
+    const int error = fits ? errno : EMSGSIZE;
+    counters_.count(LcmEvent::SendFailed);
+    is_failing_ = true;
+    set_problem("cannot send", error, "outputs go on without it");
+    return false;
+  }
+  counters_.count(LcmEvent::Published);
+  if (std::exchange(is_failing_, false)) {
+    problem_ = {};
+  }
+  return true;
+}
+
+}  // namespace slamsensor::firmware

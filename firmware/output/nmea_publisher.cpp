@@ -1,0 +1,137 @@
+#include "firmware/output/nmea_publisher.hpp"
+
+#include <algorithm>
+
+namespace slamsensor::firmware {
+namespace {
+
+constexpr std::array<std::string_view, 4> kNames = {"nmea_epochs", "nmea_epochs_prompt", "nmea_epochs_missed",
+                                                    "clock_steps"};
+
+constexpr hal::Stamp kReportAgeMax = std::chrono::seconds(5);
+constexpr hal::Stamp kWaitMax = std::chrono::milliseconds(100);
+
+bool agrees(SensorState state, core::FixStatus status) noexcept {
+  switch (status) {
+    case core::FixStatus::Fix:
+      return state == SensorState::Fixed;
+    case core::FixStatus::Ambiguous:
+      return state == SensorState::Ambiguous;
+    case core::FixStatus::NoFix:
+      break;
+  }
+  return true;
+}
+
+std::optional<GeoReference> geo_reference(const std::optional<Datum>& datum) {
+  return datum ? std::optional<GeoReference>(std::in_place, *datum) : std::nullopt;
+}
+
+/// From the middle of the scan to the epoch, on the clock that nobody sets; empty before the first scan.
+std::optional<std::chrono::nanoseconds> scan_age(const core::ScanTime& scan, const PlannedEpoch& epoch,
+                                                 const OutputTime& now) noexcept {
+  if (scan.end_monotonic == hal::Stamp{}) {
+    return std::nullopt;
+  }
+  const hal::Stamp since_end = now.monotonic - (now.utc - epoch.utc) - scan.end_monotonic;
+  return since_end + (scan.end_utc - scan.middle_utc);
+}
+
+}  // namespace
+
+core::Fix told_fix(const SensorStatus& status, hal::Stamp now) noexcept {
+  core::Fix fix = status.report.fix;
+  const bool is_old = now - status.report.monotonic > kReportAgeMax;
+  if (fix.status != core::FixStatus::NoFix && (is_old || !agrees(status.state, fix.status))) {
+    fix.status = core::FixStatus::NoFix;
+    fix.reason = is_old ? core::FixReason::Stale : core::FixReason::Device;
+  }
+  return fix;
+}
+
+NmeaPublisher::NmeaPublisher(const NmeaPublisherConfig& config)
+    : config_(config), geo_(geo_reference(config.datum)), planner_(config.rate_hz), counters_(kNames) {
+}
+
+void NmeaPublisher::set_config(const NmeaPublisherConfig& config) {
+  if (config.rate_hz != config_.rate_hz) {
+    planner_.set_rate(config.rate_hz);
+  }
+  config_ = config;
+  geo_ = geo_reference(config.datum);
+}
+
+bool NmeaPublisher::add(EpochSink& sink) noexcept {
+  if (sink_count_ == sinks_.size()) {
+    return false;
+  }
+  sinks_[sink_count_++] = &sink;
+  return true;
+}
+
+void NmeaPublisher::take_out(const EpochSink& sink) noexcept {
+  EpochSink** const end = sinks_.data() + sink_count_;
+  sink_count_ = static_cast<std::size_t>(std::remove(sinks_.data(), end, &sink) - sinks_.data());
+}
+
+void NmeaPublisher::step(const OutputTime& now, const SensorStatus& status) noexcept {
+  for (EpochSink* const sink : sinks()) {
+    sink->step(now.monotonic);
+  }
+  const core::Fix told = told_fix(status, now.monotonic);
+  const bool is_new = told.status != last_status_ || told.time.end_monotonic != last_scan_;
+  news_ = is_new && config_.nmea.prompt ? EpochNews::Waiting : EpochNews::None;
+  mode_ = status.report.source == SourceMode::Live ? NmeaMode::Live : NmeaMode::Simulated;
+  const std::uint64_t steps = planner_.clock_steps();
+  const std::optional<PlannedEpoch> epoch = planner_.next(now, news_);
+  counters_.count(NmeaEvent::ClockSteps, planner_.clock_steps() - steps);
+  if (epoch) {
+    write(told, *epoch, now);
+  }
+}
+
+void NmeaPublisher::write(const core::Fix& told, const PlannedEpoch& epoch, const OutputTime& now) noexcept {
+  NmeaContext context = nmea_context(config_.nmea, geo_ ? &*geo_ : nullptr, mode_);
+  context.zda = context.zda && epoch.begins_second;
+  context.moment = NmeaMoment{epoch.utc, scan_age(told.time, epoch, now)};
+  const std::size_t size = format_nmea(told, context, bytes_);
+  for (EpochSink* const sink : sinks()) {
+    sink->send(std::span<const char>(bytes_).first(size), now);
+  }
+  news_ = EpochNews::None;
+  last_status_ = told.status;
+  last_scan_ = told.time.end_monotonic;
+  counters_.count(NmeaEvent::Epochs);
+  counters_.count(NmeaEvent::Prompt, epoch.kind == EpochKind::Prompt ? 1 : 0);
+  counters_.count(NmeaEvent::Missed, epoch.missed);
+}
+
+hal::Stamp NmeaPublisher::wait(const OutputTime& now) const noexcept {
+  return std::min(kWaitMax, planner_.wait(now, news_));
+}
+
+std::size_t NmeaPublisher::poll_on(std::span<pollfd> into) const noexcept {
+  std::size_t count = 0;
+  for (const EpochSink* const sink : sinks()) {
+    count += sink->poll_on(into.subspan(count));
+  }
+  return count;
+}
+
+void NmeaPublisher::append_counters(CounterTable& table) const noexcept {
+  table.append(counters_.all());
+  for (const EpochSink* const sink : sinks()) {
+    table.append(sink->counters());
+  }
+}
+
+std::string_view NmeaPublisher::problem() const noexcept {
+  for (const EpochSink* const sink : sinks()) {
+    if (!sink->problem().empty()) {
+      return sink->problem();
+    }
+  }
+  return {};
+}
+
+}  // namespace slamsensor::firmware

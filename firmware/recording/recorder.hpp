@@ -1,0 +1,78 @@
+#pragma once
+
+#include "firmware/recording/event_log_writer.hpp"
+#include "firmware/recording/map_order.hpp"
+#include "firmware/recording/messages.hpp"
+#include "firmware/recording/tape_format.hpp"
+
+#include <tl/expected.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slamsensor::firmware {
+
+struct RecorderConfig {
+  std::filesystem::path path;
+  ExistingFile existing = ExistingFile::Refuse;
+  std::uint64_t bytes_max = ~std::uint64_t{0};  ///< an event that would lead beyond it ends the recording
+};
+
+/// How a recording stands.
+enum class RecorderState : std::uint8_t {
+  Recording,
+  Full,    ///< the largest size is reached: what is in the file is whole
+  Failed,  ///< the disk refused: likewise
+  Closed,
+};
+
+/// Writes a recording: an LCM event log of all that a run began with, was told by its devices, and said. Any
+/// program that reads such logs can read it; `slamsensor replay` does the run again from it. One thread,
+/// which may have to wait for the disk.
+///
+/// Order: config, then the map if there was one, then tape and messages as they come. Times are UTC in
+/// microseconds.
+class Recorder {
+ public:
+  [[nodiscard]] static tl::expected<Recorder, hal::InitError> create(const RecorderConfig& config);
+
+  /// The settings in force (config_toml).
+  void config(std::int64_t utime_us, std::string_view toml);
+  /// The map that the run begins with, as its file.
+  void map(std::int64_t utime_us, std::span<const std::uint8_t> file);
+  void tape(std::int64_t utime_us, const TapeChunk& chunk);
+  void order(std::int64_t utime_us, const MapOrder& order);
+  /// An LCM message of the sensor as it was sent.
+  void message(std::int64_t utime_us, std::string_view channel, std::span<const std::uint8_t> data);
+  void nmea(std::int64_t utime_us, std::string_view sentences);
+
+  /// Hands what was written to the system; call it once a second.
+  void flush();
+  /// Ends the recording; false when not all of it is on the disk.
+  [[nodiscard]] bool close();
+
+  [[nodiscard]] RecorderState state() const noexcept { return state_; }
+  /// The state for a person: what happened and what to do.
+  [[nodiscard]] std::string text() const;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return log_.bytes(); }
+  [[nodiscard]] std::uint64_t events() const noexcept { return log_.events(); }
+  /// Events that came after the recording had ended, or were too long.
+  [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_; }
+
+ private:
+  Recorder(EventLogWriter log, const RecorderConfig& config) : log_(std::move(log)), config_(config) {}
+  void write(std::int64_t utime_us, std::string_view channel, std::span<const std::uint8_t> data);
+  void write_text(std::int64_t utime_us, std::string_view channel, std::string_view text);
+
+  EventLogWriter log_;
+  RecorderConfig config_;
+  RecorderState state_ = RecorderState::Recording;
+  std::uint64_t dropped_ = 0;
+  std::vector<std::uint8_t> encoded_;
+};
+
+}  // namespace slamsensor::firmware

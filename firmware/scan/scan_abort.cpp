@@ -1,0 +1,36 @@
+#include "firmware/scan/scan_abort.hpp"
+
+namespace slamsensor::firmware {
+namespace {
+
+// In the order of ScanAbort.
+constexpr std::array<std::string_view, kScanAborts> kAborts = {
+    "the pan-tilt unit was lost during the scan",
+    "the rangefinder was lost during the scan",
+    "the pan-tilt unit refused a move; check its limits",
+    "the pan axis did not get where it was sent; check what stands in its way",
+    "the tilt axis did not get where it was sent; check what stands in its way",
+    "too many scanlines could not be used; check the counters of the lines",
+    "the head was pushed while it scanned; leave it alone",
+    "the carrier, or the head on it, moved during the scan; let it stand still until a scan has ended",
+    "scanning is held",
+    "the scan was ended on command",
+};
+
+// In the order of HoldReason.
+constexpr std::array<std::string_view, kHoldReasons> kHolds = {
+    "held: the laser interlock is open or cannot be read; close it to scan",
+    "held: paused on command; resume to scan",
+};
+
+}  // namespace
+
+std::string_view describe(ScanAbort reason) noexcept {
+  return kAborts[static_cast<std::size_t>(reason)];
+}
+
+std::string_view describe(HoldReason reason) noexcept {
+  return kHolds[static_cast<std::size_t>(reason)];
+}
+
+}  // namespace slamsensor::firmware

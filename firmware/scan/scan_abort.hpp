@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace slamsensor::firmware {
+
+/// Why a pass was ended before its end.
+enum class ScanAbort : std::uint8_t {
+  PanTiltLost,
+  RangefinderLost,
+  MoveRefused,
+  PanStalled,     ///< the pan axis was not there in time, or came to rest elsewhere
+  TiltStalled,    ///< the same of the tilt axis
+  LinesRejected,  ///< more than the allowed share of them
+  HeadMoved,      ///< an axis that was to rest was pushed off its place
+  CarrierMoved,   ///< the lines of the scan were not swept from one place: see MotionDetector
+  Held,           ///< scanning is not allowed any more
+  Cancelled,      ///< on command
+};
+inline constexpr std::size_t kScanAborts = 10;
+
+/// Lower snake case, in the order of the enumerators.
+inline constexpr std::array<std::string_view, kScanAborts> kScanAbortNames = {
+    "pan_tilt_lost",  "rangefinder_lost", "move_refused",  "pan_stalled", "tilt_stalled",
+    "lines_rejected", "head_moved",       "carrier_moved", "held",        "cancelled"};
+
+/// A sentence for a person: what happened and what to do about it. Lives as long as the program.
+[[nodiscard]] std::string_view describe(ScanAbort reason) noexcept;
+
+/// Why no scan may be made. Each is set and lifted by itself; one of them is enough.
+enum class HoldReason : std::uint8_t {
+  InterlockOpen,  ///< the laser interlock is open, or cannot be read
+  Paused,         ///< on command
+};
+inline constexpr std::size_t kHoldReasons = 2;
+
+/// As above.
+[[nodiscard]] std::string_view describe(HoldReason reason) noexcept;
+
+}  // namespace slamsensor::firmware

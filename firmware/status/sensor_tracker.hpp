@@ -1,0 +1,53 @@
+#pragma once
+
+#include "firmware/config/daemon_config.hpp"
+#include "firmware/status/sensor_status.hpp"
+#include "hal/stamp.hpp"
+
+#include <cstdint>
+#include <optional>
+
+namespace slamsensor::firmware {
+
+/// Tells from the last fix, the state of the devices and the time how the sensor stands, and makes the one
+/// report that all outputs write. No clock; one thread.
+///
+///   Starting   the devices have not all answered since start
+///   Faulted    a device that has answered does not any more: no fix, reason device
+///   Held       scanning is not allowed: no fix, reason device
+///   Scanning   no scan has been localised yet
+///   Fixed, Ambiguous, Lost   as the last scan ended; Lost with the reason stale when no scan has come for
+///              FixConfig::stale_s, with the reason moved when the carrier moved while it was scanned
+class SensorTracker {
+ public:
+  /// `initialization` differs from start to start; `start` is the start of the daemon.
+  SensorTracker(const FixConfig& config, SourceMode source, std::uint64_t initialization, hal::Stamp start)
+      : config_(config), source_(source), initialization_(initialization), start_(start) {}
+
+  void set_config(const FixConfig& config) { config_ = config; }
+  /// A scan has been localised, or has failed to; `made` is when.
+  void on_fix(const core::Fix& fix, hal::Stamp made);
+  void on_head(const HeadStatus& head);
+  /// The map was replaced or forgotten: what was a fix in the former one is none in this one.
+  void on_new_map() { fix_.reset(); }
+
+  [[nodiscard]] SensorState state(hal::Stamp now) const;
+  /// Every field as of `now`: the status is Fix in the state Fixed alone.
+  [[nodiscard]] FixReport report(hal::Stamp now) const;
+
+ private:
+  [[nodiscard]] bool is_stale(hal::Stamp now) const;
+
+  FixConfig config_;
+  SourceMode source_;
+  std::uint64_t initialization_;
+  hal::Stamp start_;
+  std::optional<core::Fix> fix_;
+  hal::Stamp made_{};
+  std::optional<hal::Stamp> time_to_first_fix_;
+  bool all_ready_ = false;
+  bool were_ready_ = false;
+  bool is_held_ = false;
+};
+
+}  // namespace slamsensor::firmware

@@ -1,0 +1,79 @@
+#pragma once
+
+#include "core/mapping/map_state.hpp"
+#include "firmware/config/config.hpp"
+
+#include <tl/expected.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace slamsensor::firmware {
+
+/// The settings that a map was made with. For the reader's information: a map may be used with others.
+struct MapMethod {
+  double tolerance_m = 0.0;
+  double range_step_m = 0.0;
+  double bearing_step_rad = 0.0;
+  std::uint32_t depth = 0;
+  std::uint32_t landmarks_max = 0;
+};
+
+/// What a map file says of its map. Times are seconds since 1970-01-01 UTC; 0 is unknown.
+struct MapAbout {
+  std::string name;
+  std::int64_t created_utc_s = 0;  ///< when it was saved first
+  std::int64_t saved_utc_s = 0;
+  std::uint64_t saves = 0;     ///< how often, this one included
+  std::optional<Datum> datum;  ///< in force at the save; the configuration's goes before it
+  MapMethod method;
+};
+
+/// A map as a file holds it.
+struct MapFile {
+  std::uint32_t version = 0;  ///< of the format that it was read from
+  MapAbout about;
+  std::vector<core::MapLandmark> landmarks;
+  std::vector<core::Point2> positions_W;
+  std::vector<core::PathPose> path;
+  core::MapState numbers;  ///< its spans are empty
+
+  /// For HypothesisSet::restore; valid as long as this object lives unchanged.
+  [[nodiscard]] core::MapState state() const;
+};
+
+/// Why bytes are not taken for a map.
+enum class MapProblem : std::uint8_t {
+  Foreign,   ///< something else, or nothing
+  TooNew,    ///< of a version that this program does not know
+  Damaged,   ///< cut, or a checksum or length that does not hold
+  Flawed,    ///< whole, but not a map that the method can have made
+  TooLarge,  ///< a good map that the configured capacities have no room for
+};
+
+struct MapFileError {
+  MapProblem problem = MapProblem::Foreign;
+  std::string message;  ///< where in the file, what, and what to do; without the name of the file
+};
+
+/// The bytes of a map file, format version 2. `about.name` has at most 64 characters.
+[[nodiscard]] std::vector<std::uint8_t> encode_map(const MapAbout& about, const core::MapState& state);
+
+/// The map that `bytes` hold, format version 1 or 2, without a flaw (core::check_map) and within
+/// `capacities`. Takes memory in proportion to bytes.size(), whatever they say. A map of version 1 has no
+/// path, no creation time, no datum and no method; its landmarks had a chance per sighting.
+[[nodiscard]] tl::expected<MapFile, MapFileError> decode_map(std::span<const std::uint8_t> bytes,
+                                                             const core::Capacities& capacities);
+
+/// Capacities that any map fits in.
+[[nodiscard]] core::Capacities unlimited_capacities();
+
+/// What makes `state` unusable, in words, and what to do; empty when `check` found nothing.
+[[nodiscard]] std::string flaw_text(const core::MapCheck& check, const core::MapState& state,
+                                    const core::Capacities& capacities);
+
+}  // namespace slamsensor::firmware

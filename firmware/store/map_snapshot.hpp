@@ -1,0 +1,40 @@
+#pragma once
+
+#include "core/mapping/map_state.hpp"
+#include "core/slam.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace slamsensor::firmware {
+
+/// A copy of the best hypothesis as it stood at one moment, to be handed from the SLAM thread to those that
+/// save, send or draw it (Mailbox<MapSnapshot>). Its memory is taken and written to at construction.
+class MapSnapshot {
+ public:
+  MapSnapshot() = default;
+  explicit MapSnapshot(const core::Capacities& capacities);
+
+  /// Holds what `hypotheses` now holds as its best; empty when that has no map. Copies and does nothing else:
+  /// no allocation. False, and empty, when it does not fit, which cannot be with the same capacities.
+  [[nodiscard]] bool take(const core::HypothesisSet& hypotheses) noexcept;
+
+  /// Views of this object; without landmarks when it is empty.
+  [[nodiscard]] core::MapState state() const noexcept;
+
+  [[nodiscard]] bool empty() const noexcept { return landmark_count_ == 0; }
+  /// HypothesisSet::revision() at that moment.
+  [[nodiscard]] std::uint64_t revision() const noexcept { return revision_; }
+
+ private:
+  std::vector<core::MapLandmark> landmarks_;  // as long as the capacities are, always
+  std::vector<core::Point2> positions_W_;
+  std::vector<core::PathPose> path_;
+  std::size_t landmark_count_ = 0;
+  std::size_t pose_count_ = 0;
+  core::MapState numbers_;  // its spans are empty
+  std::uint64_t revision_ = 0;
+};
+
+}  // namespace slamsensor::firmware

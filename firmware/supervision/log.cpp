@@ -1,0 +1,150 @@
+#include "firmware/supervision/log.hpp"
+
+#include "firmware/supervision/plain_text.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace slamsensor::firmware {
+namespace {
+
+constexpr hal::Stamp kWindow = std::chrono::minutes(1);
+constexpr std::size_t kLineMax = 2000;  // journald cuts lines at 48 KiB; no message of ours is near
+constexpr std::array<char, 5> kPriorities = {'3', '4', '5', '6', '7'};  // syslog(3): LOG_ERR to LOG_DEBUG
+
+/// The same for messages that differ in nothing but the digits of their numbers (FNV-1a).
+std::uint64_t key_of(LogLevel level, std::string_view message) {
+  std::uint64_t hash = 14'695'981'039'346'656'037ULL ^ static_cast<std::uint64_t>(level);
+  bool in_number = false;
+  for (const char c : message) {
+    const bool is_digit = c >= '0' && c <= '9';
+    if (!is_digit || !in_number) {
+      hash = (hash ^ static_cast<unsigned char>(is_digit ? '0' : c)) * 1'099'511'628'211ULL;
+    }
+    in_number = is_digit;
+  }
+  return hash;
+}
+
+/// "2026-01-31T12:00:00.123Z "
+std::string utc_text(hal::Stamp utc) {
+  const auto whole = std::chrono::floor<std::chrono::seconds>(utc);
+  const std::time_t time = static_cast<std::time_t>(whole.count());
+  std::tm parts{};
+  ::gmtime_r(&time, &parts);
+  std::array<char, 64> text{};
+  const std::size_t size = std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &parts);
+  const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(utc - whole).count();
+  std::snprintf(text.data() + size, text.size() - size, ".%03dZ ", static_cast<int>(milliseconds));
+  return text.data();
+}
+
+void write_all(int fd, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t count = ::write(fd, text.data(), text.size());
+    if (count <= 0) {
+      return;
+    }
+    text.remove_prefix(static_cast<std::size_t>(count));
+  }
+}
+
+}  // namespace
+
+LogStyle log_style(int fd) {
+  const char* const stream = std::getenv("JOURNAL_STREAM");  // NOLINT(concurrency-mt-unsafe)
+  struct stat status {};
+  if (stream == nullptr || ::fstat(fd, &status) != 0) {
+    return LogStyle::Plain;
+  }
+  const std::string own = std::to_string(status.st_dev) + ':' + std::to_string(status.st_ino);
+  return own == stream ? LogStyle::Journal : LogStyle::Plain;
+}
+
+void Log::set_level(LogLevel level) {
+  const std::lock_guard lock(mutex_);
+  level_ = level;
+}
+
+void Log::write(LogLevel level, std::string_view message) {
+  const std::lock_guard lock(mutex_);
+  if (level > level_) {
+    return;
+  }
+  Seen& seen = place_of(key_of(level, message), config_.now());
+  seen.level = level;
+  if (seen.shown < std::max(config_.repeats_per_minute, 1U)) {
+    ++seen.shown;
+    print(level, message);
+  } else {
+    ++seen.withheld;
+    seen.text = message;
+  }
+}
+
+Log::Seen& Log::place_of(std::uint64_t key, hal::Stamp now) {
+  auto place = std::find_if(seen_.begin(), seen_.end(),
+                            [key](const Seen& seen) { return seen.shown > 0 && seen.key == key; });
+  if (place != seen_.end() && now - place->since < kWindow) {
+    return *place;
+  }
+  if (place == seen_.end()) {  // the free one, or the oldest
+    place = std::min_element(seen_.begin(), seen_.end(), [](const Seen& a, const Seen& b) {
+      return a.shown == 0 || b.shown == 0 ? a.shown < b.shown : a.since < b.since;
+    });
+  }
+  close(*place);
+  place->key = key;
+  place->since = now;
+  return *place;
+}
+
+void Log::close(Seen& seen) {
+  if (seen.withheld > 0) {
+    print(seen.level, "repeated " + std::to_string(seen.withheld) + " times more: " + seen.text);
+  }
+  seen.shown = 0;
+  seen.withheld = 0;
+  seen.text.clear();
+}
+
+void Log::tick() {
+  const std::lock_guard lock(mutex_);
+  const hal::Stamp now = config_.now();
+  for (Seen& seen : seen_) {
+    if (seen.shown > 0 && now - seen.since >= kWindow) {
+      close(seen);
+    }
+  }
+}
+
+void Log::flush() {
+  const std::lock_guard lock(mutex_);
+  std::for_each(seen_.begin(), seen_.end(), [this](Seen& seen) { close(seen); });
+}
+
+void Log::print(LogLevel level, std::string_view message) const {
+  while (!message.empty()) {
+    const std::size_t end = std::min(message.find('\n'), message.size());
+    print_line(level, message.substr(0, end));
+    message.remove_prefix(std::min(end + 1, message.size()));
+  }
+}
+
+void Log::print_line(LogLevel level, std::string_view line) const {
+  std::string text;
+  if (config_.style == LogStyle::Journal) {
+    text = {'<', kPriorities[static_cast<std::size_t>(level)], '>'};
+  } else {
+    text = utc_text(config_.now() + config_.utc_ahead()) + std::string(to_string(level)) + ": ";
+  }
+  text += plain_text(line.substr(0, kLineMax));
+  write_all(config_.fd, text + '\n');
+}
+
+}  // namespace slamsensor::firmware

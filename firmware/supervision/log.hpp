@@ -1,0 +1,78 @@
+#pragma once
+
+#include "firmware/supervision/log_level.hpp"
+#include "hal/clock.hpp"
+#include "hal/stamp.hpp"
+
+#include <array>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+namespace slamsensor::firmware {
+
+/// How a line of the log begins.
+enum class LogStyle : std::uint8_t {
+  Plain,    ///< UTC and level, for people
+  Journal,  ///< "<N>", journald's priority (sd-daemon(3))
+};
+
+/// Journal when file `fd` is journald's as JOURNAL_STREAM says, else Plain.
+[[nodiscard]] LogStyle log_style(int fd);
+
+struct LogConfig {
+  int fd = 2;
+  LogStyle style = LogStyle::Plain;
+  LogLevel level = LogLevel::Info;       ///< graver ones and this are written
+  std::uint32_t repeats_per_minute = 5;  ///< of messages that differ in nothing but their digits
+  hal::Stamp (*now)() noexcept = hal::monotonic_now;
+  hal::Stamp (*utc_ahead)() noexcept = hal::realtime_ahead;  ///< UTC minus `now`
+};
+
+/// The daemon's log. Any thread may use it but the real-time ones: it takes a lock and writes. A message that
+/// cannot be written is lost.
+class Log {
+ public:
+  explicit Log(const LogConfig& config = {}) : config_(config), level_(config.level) {}
+
+  /// Writes `message`, a line for each of its lines, unless its level is not shown or it came too often: then
+  /// it is counted, and "repeated n times" follows when its minute is over.
+  void write(LogLevel level, std::string_view message);
+
+  void error(std::string_view message) { write(LogLevel::Error, message); }
+  void warning(std::string_view message) { write(LogLevel::Warning, message); }
+  void notice(std::string_view message) { write(LogLevel::Notice, message); }
+  void info(std::string_view message) { write(LogLevel::Info, message); }
+  void debug(std::string_view message) { write(LogLevel::Debug, message); }
+
+  void set_level(LogLevel level);
+
+  /// Tells of repetitions whose minute is over; the main thread calls it about once a second.
+  void tick();
+  /// Tells of all repetitions; before the end.
+  void flush();
+
+ private:
+  /// A message of the last minute.
+  struct Seen {
+    std::uint64_t key = 0;
+    hal::Stamp since{};
+    std::uint32_t shown = 0;  // 0: this place is free
+    std::uint32_t withheld = 0;
+    LogLevel level = LogLevel::Info;
+    std::string text;
+  };
+
+  [[nodiscard]] Seen& place_of(std::uint64_t key, hal::Stamp now);
+  void close(Seen& seen);
+  void print(LogLevel level, std::string_view message) const;
+  void print_line(LogLevel level, std::string_view line) const;
+
+  LogConfig config_;
+  std::mutex mutex_;
+  LogLevel level_;
+  std::array<Seen, 64> seen_;
+};
+
+}  // namespace slamsensor::firmware

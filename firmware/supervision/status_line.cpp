@@ -1,0 +1,89 @@
+#include "firmware/supervision/status_line.hpp"
+
+#include "core/config.hpp"
+#include "core/fix_names.hpp"
+#include "firmware/supervision/decimal_text.hpp"
+#include "firmware/supervision/plain_text.hpp"
+#include "firmware/supervision/status_parts.hpp"
+
+namespace slamsensor::firmware {
+namespace {
+
+/// What a reason means for who reads it.
+std::string_view meaning(core::FixReason reason) {
+  switch (reason) {
+    case core::FixReason::TooFewLandmarks:
+      return "too few landmarks around";
+    case core::FixReason::NoOverlap:
+      return "nothing here looks like the map";
+    case core::FixReason::Symmetric:
+      return "another place of the map looks the same";
+    case core::FixReason::Deadline:
+      return "the search was cut by its deadline";
+    case core::FixReason::Stale:
+      return "the last scan is too old";
+    case core::FixReason::Device:
+      return "the sensor head is not working";
+    case core::FixReason::Moved:
+      return "the carrier moved";
+    case core::FixReason::None:
+      break;
+  }
+  return to_string(reason);
+}
+
+std::string why_none(const core::Fix& fix) {
+  return std::string(meaning(fix.reason)) + ", " + std::to_string(fix.landmarks_seen) + " landmarks seen";
+}
+
+std::string fix_clause(const SensorStatus& status) {
+  const core::Fix& fix = status.report.fix;
+  switch (status.state) {
+    case SensorState::Fixed:
+      return ' ' + fix_phrase(fix);
+    case SensorState::Ambiguous:
+    case SensorState::Lost:
+      return ": " + why_none(fix);
+    default:
+      return status.slam.scans == 0 ? std::string() : ", " + fix_phrase(fix);
+  }
+}
+
+std::string device_phrase(const NamedDevice& device) {
+  std::string text(device.title);
+  if (device.status->problem.empty()) {
+    return text + ' ' + std::string(to_string(device.status->state));
+  }
+  return text + ": " + std::string(device.status->problem);
+}
+
+std::string map_phrase(const SensorStatus& status) {
+  return "map '" + std::string(status.map_name.view()) + "' " + std::to_string(status.slam.landmarks) +
+         " landmarks" + (status.slam.frozen ? " (frozen)" : "");
+}
+
+}  // namespace
+
+std::string fix_phrase(const core::Fix& fix) {
+  const std::string landmarks =
+      std::to_string(fix.matches) + " of " + std::to_string(fix.landmarks_seen) + " landmarks";
+  if (fix.status == core::FixStatus::Fix) {
+    return "x=" + decimal_text(fix.pose_W.x_m, 2) + " m y=" + decimal_text(fix.pose_W.y_m, 2) +
+           " m heading=" + decimal_text(fix.pose_W.heading_rad / core::kDegree, 1) + " deg, " + landmarks;
+  }
+  return std::string(fix.status == core::FixStatus::Ambiguous ? "ambiguous" : "no fix") + ": " +
+         why_none(fix);
+}
+
+std::string status_line(const SensorStatus& status) {
+  std::string text = std::string(to_string(status.state)) + fix_clause(status) + ", " + map_phrase(status);
+  for (const NamedDevice& device : devices_of(status)) {
+    text += "; " + device_phrase(device);
+  }
+  if (!status.head.problem.empty()) {
+    text += "; " + std::string(status.head.problem);
+  }
+  return plain_text(text);
+}
+
+}  // namespace slamsensor::firmware

@@ -1,0 +1,218 @@
+#!/usr/bin/env python3
+"""The daemon where something is missing or broken: it says so, keeps its outputs alive, and recovers by itself; or it
+does not start, and says why. degraded_test.py SLAMSENSOR SLAMSENSORD"""
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import unittest
+
+import nmea
+from sensor import STOP_MAX_S, Sensor, wait_for
+
+PROGRAMS = sys.argv[1:3]
+OK, USAGE, UNAVAILABLE, NOPERM, CONFIG = 0, 64, 69, 77, 78
+
+
+def able(*command):
+    return shutil.which(command[0]) and subprocess.run(command, capture_output=True).returncode == 0
+
+
+class Degraded(unittest.TestCase):
+    def setUp(self):
+        self.sensor = Sensor(PROGRAMS)
+        self.addCleanup(self.sensor.close)
+
+    def ends(self, expected=OK):
+        status, seconds = self.sensor.terminate()
+        self.assertEqual(status, expected, self.sensor.log())
+        self.assertLess(seconds, STOP_MAX_S)
+
+    def refuses(self, expected, *parts, **options):
+        status, log = self.sensor.run_to_end(**options)
+        self.assertEqual(status, expected, log)
+        for part in parts:
+            self.assertIn(part, log)
+        self.assertIn(" error: ", log)
+        return log
+
+    # Devices.
+
+    def test_without_devices_it_waits_and_its_outputs_live(self):
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        self.sensor.start({"nmea.tcp": "true", "nmea.tcp_port": port})
+        status = self.sensor.wait_status(lambda s: s["devices"]["pan_tilt"]["problem"], "a problem")
+        self.assertEqual(status["state"], "starting")
+        self.assertEqual(status["fix"]["status"], "no_fix")
+        reader = nmea.Reader.tcp(port)
+        self.addCleanup(reader.close)
+        self.assertEqual(reader.of_kind("RMC")[2], "V")
+        self.assertEqual(reader.of_kind("PSLMA")[3], "V")
+        manager = self.sensor.manager
+        whole = "STATUS=starting, .*pan-tilt: .*serial line is down.*; rangefinder: .*link is down"
+        wait_for(lambda: re.match(whole, manager.last("STATUS=")),
+                 lambda: "a status text, not " + manager.last("STATUS="))
+        self.assertEqual(manager.times("READY=1"), [])
+        self.assertTrue(manager.times("EXTEND_TIMEOUT_USEC="))
+        self.sensor.start_head()
+        self.sensor.wait_fix()
+        wait_for(lambda: manager.times("READY=1"), "READY=1")
+        wait_for(lambda: reader.of_kind("PSLMA")[3] == "A", "a fix in NMEA")
+        self.ends()
+
+    def test_a_head_that_is_pulled_and_put_back(self):
+        self.sensor.start_head()
+        self.sensor.start()
+        self.sensor.wait_fix()
+        self.sensor.stop_head()
+        lost = self.sensor.wait_status(lambda s: s["state"] == "faulted", "the loss", 3.0)
+        self.assertEqual((lost["fix"]["status"], lost["fix"]["reason"]), ("no_fix", "device"))
+        wait_for(lambda: "rangefinder lost" in self.sensor.log(), "the loss to be told")
+        self.sensor.start_head()
+        self.sensor.wait_scans()
+        status = self.sensor.wait_fix()
+        self.assertFalse(self.sensor.is_wrong(status["fix"]))
+        self.assertGreater(status["fix"]["matches"], 5)
+        for device in status["devices"].values():
+            self.assertGreaterEqual(device["recoveries"], 1)
+        self.ends()
+
+    # The machine.
+
+    def test_no_network(self):
+        if not able("unshare", "-n", "true"):
+            self.skipTest("SKIPPED: no right to a network of its own")
+        self.sensor.start_head()
+        self.sensor.start({"lcm.enabled": "true", "map.autosave_s": 1.0}, prefix=("unshare", "-n"))
+        self.sensor.wait_fix()
+        wait_for(lambda: (self.sensor.maps / "default.slammap").exists(), "the map to be saved")
+        self.assertIn("no route for multicast", self.sensor.log())
+        self.ends()
+
+    def on_tmpfs(self, options, then="true"):
+        """What starts a program whose map folder is a file system of its own; its path as seen from here."""
+        if not able("unshare", "-m", "true"):
+            self.skipTest("SKIPPED: no right to mount")
+        self.sensor.maps.mkdir()
+        script = f'mount -t tmpfs -o {options} tmpfs "$0" && {then} && exec "$@"'
+        return ("unshare", "-m", "sh", "-c", script, str(self.sensor.maps))
+
+    def test_a_full_disk(self):
+        self.sensor.start_head()
+        full = self.on_tmpfs("size=8k", 'head -c 8192 /dev/zero > "$0/ballast"')
+        self.sensor.start({"map.autosave_s": 0.3}, prefix=full)
+        self.sensor.wait_fix()
+        wait_for(lambda: "No space left" in self.sensor.log(), "the full disk to be told")
+        self.assertTrue(self.sensor.wait_scans()["map"]["unsaved"])
+        maps = f"/proc/{self.sensor.daemon.pid}/root{self.sensor.maps}"
+        os.unlink(f"{maps}/ballast")
+        wait_for(lambda: os.path.exists(f"{maps}/default.slammap"), "the map to be saved after all")
+        self.sensor.wait_status(lambda s: not s["map"]["unsaved"], "the status to say so")
+        self.assertLess(self.sensor.log().count("No space left"), 10, "a flood in the log")
+        self.ends()
+
+    def test_a_map_folder_that_cannot_be_written(self):
+        self.sensor.start_head()
+        self.sensor.start({"map.autosave_s": 0.3}, prefix=self.on_tmpfs("size=8k,ro"))
+        self.sensor.wait_fix()
+        log = self.sensor.log()
+        self.assertIn("Read-only file system", log)
+        self.assertIn("running without saving", log)
+        self.ends()
+
+    def test_two_daemons_cannot_share_socket_or_maps(self):
+        self.sensor.start_head()
+        self.sensor.start()
+        self.sensor.wait_fix()
+        other = Sensor(PROGRAMS)
+        self.addCleanup(other.close)
+        status, log = other.run_to_end({"control.socket": self.sensor.folder / "control"})
+        self.assertEqual(status, UNAVAILABLE, log)
+        self.assertIn("another slamsensord answers there", log)
+        other.log_path.write_text("")
+        other.start({"map.directory": self.sensor.maps})
+        other.status()
+        self.assertIn("another process saves maps there", other.log())
+        other.kill()
+        self.sensor.wait_scans()
+        self.ends()
+
+    def test_a_taken_tcp_port_is_told_and_tried_again(self):
+        with socket.socket() as taken:
+            taken.bind(("127.0.0.1", 0))
+            taken.listen()
+            port = taken.getsockname()[1]
+            self.sensor.start({"nmea.tcp": "true", "nmea.tcp_port": port})
+            wait_for(lambda: "another program has this port" in self.sensor.log(), "the taken port to be told")
+
+        def connected():
+            try:
+                return nmea.Reader.tcp(port)
+            except ConnectionRefusedError:
+                return None
+        reader = wait_for(connected, "the port to be opened")
+        self.addCleanup(reader.close)
+        self.assertEqual(reader.of_kind("RMC")[2], "V")
+        self.ends()
+
+    # The map at start.
+
+    def test_a_damaged_map_is_left_alone_until_a_save_sets_it_aside(self):
+        self.sensor.maps.mkdir()
+        damaged = b"\x89SLM\r\n\x1a\n" + bytes(100)
+        (self.sensor.maps / "default.slammap").write_bytes(damaged)
+        self.sensor.start_head()
+        self.sensor.start({"map.autosave_s": 0})
+        self.sensor.wait_fix()
+        self.assertIn("starting without it", self.sensor.log())
+        self.assertEqual((self.sensor.maps / "default.slammap").read_bytes(), damaged)
+        self.sensor.ask("map save")
+        aside = list(self.sensor.maps.glob("default.slammap.bad-*"))
+        self.assertEqual([path.read_bytes() for path in aside], [damaged])
+        self.assertIn("set aside", self.sensor.log())
+        self.ends()
+
+    # Rights.
+
+    def without_rights(self):
+        limited = ("prlimit", "--rtprio=0", "--memlock=65536")
+        if os.geteuid() == 0:
+            taken = "-sys_nice,-ipc_lock"
+            limited = ("setpriv", "--bounding-set", taken, "--inh-caps", taken, *limited)
+        if not able(*limited, "true"):
+            self.skipTest("SKIPPED: setpriv and prlimit cannot take rights away here")
+        return limited
+
+    def test_without_real_time_rights_it_runs_and_says_so(self):
+        self.sensor.start_head()
+        self.sensor.start({"realtime.mode": "optional"}, prefix=self.without_rights())
+        self.assertFalse(self.sensor.wait_fix()["realtime"])
+        log = self.sensor.log()
+        for part in ("memory cannot be locked", "no right to SCHED_FIFO", "running without real-time rights"):
+            self.assertIn(part, log)
+        self.ends()
+
+    def test_required_real_time_is_refused_without_rights(self):
+        self.refuses(NOPERM, "LimitMEMLOCK", settings={"realtime.mode": "required"}, prefix=self.without_rights())
+
+    def test_wrong_words_on_the_command_line(self):
+        for words in (["--fly"], ["--set", "nmea.rate_hz"], ["surplus"]):
+            done = subprocess.run([PROGRAMS[1], *words], capture_output=True, text=True, timeout=30)
+            self.assertEqual(done.returncode, USAGE, done.stderr)
+            self.assertIn("slamsensord", done.stderr)
+
+    def test_a_stop_while_it_starts(self):
+        self.sensor.start_head()
+        for _ in range(3):
+            self.sensor.start()
+            wait_for(lambda: "running" in self.sensor.log(), "the start")
+            self.sensor.log_path.write_text("")
+            self.ends()
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)

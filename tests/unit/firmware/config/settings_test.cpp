@@ -1,0 +1,256 @@
+#include "firmware/config/list_config.hpp"
+#include "firmware/config/load_config.hpp"
+#include "firmware/config/suggestion.hpp"
+#include "firmware/device/head_drivers.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace slamsensor::firmware {
+
+/// Converts to anything, to count how many members a struct can be initialised from. Not in the unnamed
+/// namespace: clang warns of conversions there that are only looked at.
+struct Anything {
+  template <typename T>
+  operator T() const {  // NOLINT(google-explicit-constructor): that is the point
+    return T();
+  }
+};
+
+namespace {
+
+template <typename T, typename... Members>
+constexpr std::size_t member_count() {
+  if constexpr (requires { T{Members{}..., Anything{}}; }) {
+    return member_count<T, Members..., Anything>();
+  } else {
+    return sizeof...(Members);
+  }
+}
+
+std::size_t settings_in(std::string_view section) {
+  std::size_t count = 0;
+  for (const Setting& setting : settings()) {
+    count += setting.section() == section ? 1U : 0U;
+  }
+  return count;
+}
+
+std::filesystem::path profile(const std::string& name) {
+  return std::filesystem::path(__FILE__).parent_path() / "../../../../config" / name;
+}
+
+LoadedConfig loaded_profile(const std::string& name) {
+  const auto loaded = load_config(profile(name));
+  EXPECT_TRUE(loaded) << (loaded ? "" : error_lines(loaded.error()));
+  return loaded.value_or(LoadedConfig{});
+}
+
+/// A struct of settings, and the section that has a key for each of its members.
+struct Counted {
+  std::string_view section;
+  std::size_t members;
+};
+
+// Less those members that are structs of their own, and those that other settings decide.
+const Counted kCounted[] = {
+    {"mount", member_count<core::MountConfig>()},
+    {"detection", member_count<core::DetectionConfig>()},
+    {"association", member_count<core::AssociationConfig>()},
+    {"acceptance", member_count<core::AcceptanceConfig>()},
+    {"mapping", member_count<core::MappingConfig>()},
+    {"capacities", member_count<core::Capacities>()},
+    {"point_cloud", member_count<PointCloudConfig>()},
+    {"landmark_list", member_count<LandmarkListConfig>()},
+    {"datum", member_count<Datum>()},
+    // The flag of ZDA is one of the sentences.
+    {"nmea",
+     member_count<NmeaConfig>() - 1 + 1 + member_count<NmeaSerialConfig>() + member_count<NmeaTcpConfig>()},
+    {"fix", member_count<FixConfig>()},
+    {"lcm", member_count<LcmConfig>()},
+    {"realtime", member_count<RealtimeConfig>()},
+    {"map", member_count<MapStoreConfig>()},
+    {"control", member_count<ControlConfig>()},
+    {"record", member_count<RecordConfig>()},
+    {"gpio", 2 * member_count<GpioInputSetting>() + 2 * member_count<GpioOutputSetting>() + 1},
+    {"head", 3},
+    // The driver sets the line rate.
+    {"pan_tilt_port", member_count<hal::SerialConfig>() - 3 + member_count<hal::SerialFormat>() +
+                          member_count<hal::ReopenConfig>()},
+    {"rangefinder_port", member_count<hal::SerialConfig>() - 3 + member_count<hal::SerialFormat>() +
+                             member_count<hal::ReopenConfig>()},
+    {"pan_tilt_rs485", member_count<hal::Rs485Config>()},
+    {"rangefinder_rs485", member_count<hal::Rs485Config>()},
+    {"ptu", member_count<hal::PtuConfig>()},
+    {"canopen", member_count<hal::CanopenConfig>() - 2},
+    {"canopen_pan", member_count<hal::CanopenAxisConfig>()},
+    {"canopen_tilt", member_count<hal::CanopenAxisConfig>()},
+    {"lwnx", member_count<hal::LwnxConfig>() - 1 + member_count<hal::RangeConfig>() - 1 +
+                 member_count<hal::SampleClockConfig>()},
+    {"benewake", member_count<hal::BenewakeConfig>() - 1 + member_count<hal::RangeConfig>() - 1 +
+                     member_count<hal::SampleClockConfig>()},
+    {"benewake_serial", member_count<hal::BenewakeSerialConfig>() - 1},
+    {"benewake_can", member_count<hal::BenewakeCanConfig>() - 1},
+    // And the preset.
+    {"point_laser", member_count<hal::PointLaserConfig>() - 1 + 1 + member_count<hal::RangeConfig>() - 1 +
+                        member_count<hal::SampleClockConfig>()},
+    {"scan", member_count<ScanConfig>()},
+    {"pan_fit", member_count<PanFitConfig>()},
+    {"latency", member_count<LatencyConfig>()},
+    {"motion", member_count<MotionConfig>()},
+};
+
+TEST(Settings, EveryMemberOfEveryConfigStructHasARow) {
+  for (const Counted& counted : kCounted) {
+    EXPECT_EQ(settings_in(counted.section), counted.members) << counted.section;
+  }
+  EXPECT_EQ(sections().size(), std::size(kCounted));
+  // No member of the larger structs was forgotten above.
+  EXPECT_EQ(member_count<Config>(), 8U);
+  EXPECT_EQ(member_count<core::Config>(), 6U);
+  EXPECT_EQ(member_count<DaemonConfig>(), 10U);
+  EXPECT_EQ(member_count<SensorHeadConfig>(), 4U);
+  EXPECT_EQ(member_count<HeadConfig>(), 12U);
+}
+
+TEST(Settings, PathsAreUniqueDescribedAndOfAKnownSection) {
+  std::set<std::string_view> paths;
+  for (const Setting& setting : settings()) {
+    EXPECT_TRUE(paths.insert(setting.path).second) << setting.path;
+    EXPECT_NE(find_section(setting.section()), nullptr) << setting.path;
+    EXPECT_FALSE(setting.description.empty()) << setting.path;
+    const bool is_angle = setting.path.ends_with("_deg");
+    EXPECT_EQ(is_angle, setting.unit == "deg") << setting.path;
+    EXPECT_EQ(setting.path.ends_with("_m"), setting.unit == "m") << setting.path;
+  }
+}
+
+TEST(Settings, EveryDefaultPassesItsOwnRange) {
+  const auto loaded = load_config_text(default_config_text(), "generated");
+  ASSERT_TRUE(loaded) << error_lines(loaded.error());
+}
+
+TEST(Settings, DefaultFileIsGeneratedFromTheTable) {
+  std::ifstream stream(profile("slamsensor.toml"));
+  std::ostringstream text;
+  text << stream.rdbuf();
+  EXPECT_EQ(text.str(), default_config_text()) << "config/slamsensor.toml is not what the table generates";
+}
+
+TEST(Settings, DefaultFileGivesTheVeryDefaults) {
+  const LoadedConfig loaded = loaded_profile("slamsensor.toml");
+  const Config defaults;
+  for (const Setting& setting : settings()) {
+    EXPECT_EQ(value_text(setting, loaded.config), value_text(setting, defaults)) << setting.path;
+    const bool optional = find_section(setting.section())->is_optional();
+    EXPECT_EQ(loaded.origin(setting.path).is_default(), optional) << setting.path;
+  }
+  EXPECT_EQ(loaded.config.core.detection.bearing_step_rad, defaults.core.detection.bearing_step_rad);
+  EXPECT_EQ(loaded.config.core.detection.tilt_min_rad, defaults.core.detection.tilt_min_rad);
+  EXPECT_FALSE(loaded.config.datum.has_value());
+}
+
+TEST(Settings, RealsAreWrittenShortAndReadBackTheSame) {
+  EXPECT_EQ(real_text(300.0), "300.0");
+  EXPECT_EQ(real_text(0.514), "0.514");
+  EXPECT_EQ(real_text(1e-12), "1e-12");
+  EXPECT_EQ(real_text(-0.1), "-0.1");
+  EXPECT_EQ(real_text(0.0), "0.0");
+  EXPECT_EQ(std::stod(real_text(0.1 + 0.2)), 0.1 + 0.2);
+}
+
+struct Experiment {
+  const char* file;
+  double tolerance_m;
+  std::uint32_t landmarks_max;
+  double tilt_min_deg;
+  double tilt_max_deg;
+};
+
+class PaperProfile : public testing::TestWithParam<Experiment> {};
+
+TEST_P(PaperProfile, HasThePapersValuesAndBelievesNothingByChance) {
+  const core::Config config = loaded_profile(GetParam().file).config.core;
+  EXPECT_EQ(config.detection.range_max_m, 300.0);
+  EXPECT_EQ(config.detection.range_step_m, 0.5);
+  EXPECT_DOUBLE_EQ(config.detection.bearing_step_rad, 0.514 * core::kDegree);
+  EXPECT_EQ(config.detection.landmarks_max, GetParam().landmarks_max);
+  EXPECT_EQ(config.detection.discard_share, 0.02);
+  EXPECT_EQ(config.detection.point, core::LandmarkPoint::HullCentroid);
+  EXPECT_DOUBLE_EQ(config.detection.tilt_min_rad, GetParam().tilt_min_deg * core::kDegree);
+  EXPECT_DOUBLE_EQ(config.detection.tilt_max_rad, GetParam().tilt_max_deg * core::kDegree);
+  EXPECT_EQ(config.association.tolerance_m, GetParam().tolerance_m);
+  EXPECT_EQ(config.association.order_share, 0.125);
+  EXPECT_EQ(config.association.depth, 2U);
+  EXPECT_TRUE(config.association.exhaust_when_unsure);
+  EXPECT_EQ(config.mapping.prune_share, 0.0);
+  EXPECT_EQ(config.acceptance.rule, core::AcceptanceRule::Computed);
+  EXPECT_EQ(config.mapping.hypotheses_max, 3U);
+  EXPECT_EQ(config.mapping.update, core::LandmarkUpdate::Paper);
+}
+
+INSTANTIATE_TEST_SUITE_P(Paper, PaperProfile,
+                         testing::Values(Experiment{"experiment-1.toml", 0.5, 30, -18.0, 7.71},
+                                         Experiment{"experiment-2.toml", 1.0, 30, -18.0, 7.71},
+                                         Experiment{"experiment-3.toml", 1.5, 20, -17.5, 8.23},
+                                         Experiment{"experiment-4.toml", 1.5, 20, -17.5, 8.23}));
+
+TEST(Profiles, EveryFileOfTheFolderLoads) {
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(profile(""))) {
+    if (entry.path().extension() == ".toml") {
+      loaded_profile(entry.path().filename().string());
+      ++files;
+    }
+  }
+  EXPECT_GE(files, 15);
+}
+
+struct HeadProfile {
+  const char* file;
+  PanTiltKind pan_tilt;
+  RangefinderKind rangefinder;
+};
+
+class HeadProfiles : public testing::TestWithParam<HeadProfile> {};
+
+TEST_P(HeadProfiles, HaveTheirDevicesAndTheirDriversAreMade) {
+  const HeadConfig head = loaded_profile(GetParam().file).config.head;
+  EXPECT_EQ(head.pan_tilt, GetParam().pan_tilt);
+  EXPECT_EQ(head.rangefinder, GetParam().rangefinder);
+  const auto links = open_head_links(head);
+  ASSERT_TRUE(links) << links.error().message;
+  EXPECT_TRUE(make_head_drivers(head, links->get()));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Heads, HeadProfiles,
+    testing::Values(HeadProfile{"head-paper.toml", PanTiltKind::Ptu, RangefinderKind::PointLaser},
+                    HeadProfile{"head-ptu-lightware.toml", PanTiltKind::Ptu, RangefinderKind::Lwnx},
+                    HeadProfile{"head-ptu-tf03.toml", PanTiltKind::Ptu, RangefinderKind::BenewakeSerial},
+                    HeadProfile{"head-canopen-tf03.toml", PanTiltKind::Canopen, RangefinderKind::BenewakeCan},
+                    HeadProfile{"head-emulated-paper.toml", PanTiltKind::Ptu, RangefinderKind::PointLaser},
+                    HeadProfile{"head-emulated-fast.toml", PanTiltKind::Ptu, RangefinderKind::Lwnx}));
+
+TEST(Suggestions, CountEditsAndNameTheNearest) {
+  EXPECT_EQ(edit_distance("", "abc"), 3U);
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3U);
+  EXPECT_EQ(edit_distance("rnage", "range"), 1U);
+  EXPECT_EQ(suggest_section("detecton"), "detection");
+  EXPECT_EQ(suggest_section("weather_forecast"), "");
+  EXPECT_EQ(suggest_key("detection.tilt_min"), "detection.tilt_min_deg");
+  EXPECT_EQ(suggest_key("detection.tolerance_m"), "association.tolerance_m");
+  EXPECT_EQ(suggest_key("detection.colour_of_paint"), "");
+  EXPECT_EQ(suggest_section("NMEA"), "nmea");
+  EXPECT_EQ(suggest_key("nmea.Rate_Hz"), "nmea.rate_hz");
+  EXPECT_EQ(suggest_key("fix.rate_hz"),
+            "lwnx.rate_hz, benewake.rate_hz, point_laser.rate_hz or nmea.rate_hz");
+  EXPECT_EQ(suggest_key("detection." + std::string(5000, 'x')), "");
+}
+
+}  // namespace
+}  // namespace slamsensor::firmware

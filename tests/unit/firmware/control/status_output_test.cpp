@@ -1,0 +1,88 @@
+#include "firmware/control/json_writer.hpp"
+#include "firmware/control/status_json.hpp"
+#include "firmware/control/status_text.hpp"
+#include "tests/unit/firmware/supervision/sample_status.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace slamsensor::firmware {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(JsonWriter, WritesWhatRfc8259Allows) {
+  JsonWriter json;
+  json.begin_object().member("text", "a\"b\\c\n\x1f\x7fü");
+  json.key("empty").begin_array().end_array();
+  json.key("list").begin_array().value(1.5).value(-0.25).value(std::uint64_t{18'446'744'073'709'551'615U});
+  json.value(std::int64_t{-3}).value(false).null().end_array();
+  json.member("nan", std::nan("")).member("inf", std::numeric_limits<double>::infinity());
+  json.key("inner").begin_object().end_object().member("last", true).end_object();
+  EXPECT_EQ(
+      json.text(),
+      R"({"text":"a\"b\\c\u000a\u001f\u007fü","empty":[],"list":[1.5,-0.25,18446744073709551615,-3,false,null],)"
+      R"("nan":null,"inf":null,"inner":{},"last":true})");
+}
+
+TEST(FixJson, HasPoseAndErrorsOfAFix) {
+  const std::string json = fix_json(fixed_status());
+  EXPECT_THAT(json, HasSubstr(R"("status":"fix","reason":"none","search_end":"complete","scan":41)"));
+  EXPECT_THAT(json, HasSubstr(R"("x_m":12.5,"y_m":-3.25,"heading_rad":0)"));
+  EXPECT_THAT(
+      json,
+      HasSubstr(R"("covariance":[0.04,0,0,0,0.01,0,0,0,1e-04],"sigma_m":0.2,"sigma_heading_rad":0.01)"));
+  EXPECT_THAT(json, HasSubstr(R"("matches":23,"landmarks_seen":30,"landmarks_in_map":512)"));
+}
+
+TEST(FixJson, HasNoPoseWithoutAFix) {
+  SensorStatus status = fixed_status();
+  status.report.fix.status = core::FixStatus::NoFix;
+  const std::string json = fix_json(status);
+  EXPECT_THAT(json,
+              HasSubstr(R"("x_m":null,"y_m":null,"heading_rad":null,"heading_deg":null,"covariance":null)"));
+  EXPECT_THAT(json, Not(HasSubstr("12.5")));
+}
+
+TEST(StatusJson, TellsNeverAsNull) {
+  SensorStatus status = fixed_status();
+  status.map_saved_ago = hal::kNever;
+  status.report.time_to_first_fix.reset();
+  const std::string json = status_json(status);
+  EXPECT_THAT(json, HasSubstr(R"("saved_ago_s":null)"));
+  EXPECT_THAT(json, HasSubstr(R"("time_to_first_fix_s":null)"));
+  EXPECT_THAT(
+      json, HasSubstr(R"("rangefinder":{"state":"absent","problem":"no reply at 9600 baud; check cable",)"));
+  EXPECT_THAT(json, HasSubstr(R"("counters":{"pan_tilt":{"replies_lost":3},"rangefinder":{},)"));
+}
+
+TEST(StatusText, IsForPeople) {
+  const auto lines = status_text(fixed_status());
+  EXPECT_THAT(lines, Contains("state:          fixed"));
+  EXPECT_THAT(lines, Contains("fix:            x=12.50 m y=-3.25 m heading=0.0 deg, 23 of 30 landmarks"));
+  EXPECT_THAT(lines, Contains("map:            default, 512 landmarks, saved 12.0 s ago"));
+  EXPECT_THAT(lines,
+              Contains("pan-tilt:       ready, PTU-46-17.5; recovered 2 times, the last within 350.00 ms"));
+  EXPECT_THAT(lines, Contains("rangefinder:    absent: no reply at 9600 baud; check cable"));
+}
+
+TEST(StatusText, MapSaysWhatWouldBeLost) {
+  SensorStatus status = fixed_status();
+  status.map_unsaved = true;
+  EXPECT_THAT(status_text(status),
+              Contains(HasSubstr("512 landmarks, changed since it was saved 12.0 s ago")));
+  status.map_saved_ago = hal::kNever;
+  EXPECT_THAT(status_text(status), Contains(HasSubstr("not saved yet")));
+}
+
+TEST(CountersText, NamesStationAndCounter) {
+  EXPECT_THAT(counters_text(fixed_status()), testing::ElementsAre("pan_tilt.replies_lost 3"));
+}
+
+}  // namespace
+}  // namespace slamsensor::firmware

@@ -1,0 +1,47 @@
+#include "firmware/daemon/device_watch.hpp"
+
+#include "tests/support/fake_head.hpp"
+
+#include <gtest/gtest.h>
+
+namespace slamsensor::firmware {
+namespace {
+
+using hal::DeviceState;
+using std::chrono::seconds;
+
+DeviceStatus status_of(const DeviceWatch& watch) {
+  const tests::FakePanTilt device{tests::FakePanTiltConfig{}};
+  DeviceStatus status;
+  watch.report(device, status);
+  return status;
+}
+
+TEST(DeviceWatch, AStartIsNoRecovery) {
+  DeviceWatch watch;
+  watch.step(DeviceState::Absent, seconds(1));
+  watch.step(DeviceState::Starting, seconds(2));
+  watch.step(DeviceState::Ready, seconds(3));
+  EXPECT_EQ(status_of(watch).recoveries, 0U);
+  EXPECT_EQ(status_of(watch).state, DeviceState::Ready);
+}
+
+TEST(DeviceWatch, ARecoveryIsTimedFromTheLoss) {
+  DeviceWatch watch;
+  watch.step(DeviceState::Ready, seconds(3));
+  watch.step(DeviceState::Absent, seconds(10));
+  watch.step(DeviceState::Starting, seconds(11));
+  watch.step(DeviceState::Faulted, seconds(12));
+  EXPECT_EQ(status_of(watch).recoveries, 0U);
+  watch.step(DeviceState::Ready, seconds(14));
+  EXPECT_EQ(status_of(watch).recoveries, 1U);
+  EXPECT_EQ(status_of(watch).last_recovery, seconds(4));
+  watch.step(DeviceState::Ready, seconds(15));
+  watch.step(DeviceState::Starting, seconds(20));
+  watch.step(DeviceState::Ready, seconds(21));
+  EXPECT_EQ(status_of(watch).recoveries, 2U);
+  EXPECT_EQ(status_of(watch).last_recovery, seconds(1));
+}
+
+}  // namespace
+}  // namespace slamsensor::firmware

@@ -1,0 +1,56 @@
+#include "firmware/daemon/mailbox.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <thread>
+
+namespace slamsensor::firmware {
+namespace {
+
+TEST(Mailbox, HandsOverTheNewestValueOnce) {
+  Mailbox<int> box(5);
+  EXPECT_FALSE(box.refresh());
+  EXPECT_EQ(box.value(), 5);
+  box.draft() = 6;
+  box.post();
+  box.draft() = 7;
+  box.post();
+  EXPECT_TRUE(box.refresh());
+  EXPECT_EQ(box.value(), 7);
+  EXPECT_FALSE(box.refresh());
+  EXPECT_EQ(box.value(), 7);
+}
+
+TEST(Mailbox, ValuesAreNeverTornBetweenThreads) {
+  Mailbox<std::array<std::uint64_t, 32>> box;
+  std::atomic<bool> stop{false};
+  std::thread writer([&] {
+    for (std::uint64_t i = 1; !stop; ++i) {
+      box.draft().fill(i);
+      box.post();
+    }
+  });
+  std::uint64_t last = 0;
+  bool whole = true;
+  for (int seen = 0; seen < 20'000;) {
+    if (!box.refresh()) {
+      std::this_thread::yield();
+      continue;
+    }
+    ++seen;
+    for (const std::uint64_t value : box.value()) {
+      whole = whole && value == box.value()[0];
+    }
+    whole = whole && box.value()[0] > last;
+    last = box.value()[0];
+  }
+  stop = true;
+  writer.join();
+  EXPECT_TRUE(whole);
+}
+
+}  // namespace
+}  // namespace slamsensor::firmware

@@ -1,0 +1,144 @@
+#include "firmware/daemon/slam_loop.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace slamsensor::firmware {
+namespace {
+
+using std::chrono::seconds;
+
+constexpr hal::Stamp kNow = seconds(100);
+constexpr double kPostRadius_m = 0.3;
+// No two triangles of them are alike.
+constexpr double kPosts_W[][2] = {{9, 2},  {14, -5}, {6, -9},  {21, 4},  {17, 13},  {-4, 12}, {3, 18},
+                                  {-2, 7}, {26, -9}, {12, 24}, {-9, -6}, {11, -17}, {30, 9},  {-13, 4}};
+
+hal::Stamp clock_now(void*) noexcept {
+  return kNow;
+}
+
+/// The scanline that a sensor at `x_m` on the x axis, looking along it, sweeps past the posts.
+std::vector<core::Reading> sweep_from(double x_m) {
+  std::vector<core::Reading> readings;
+  for (double pan_deg = -179.0; pan_deg < 179.0; pan_deg += 0.05) {
+    core::Reading reading{pan_deg * core::kDegree, 0.0, core::Reading::kNoReturn};
+    for (const auto& post : kPosts_W) {
+      const double dx = post[0] - x_m;
+      const double along = dx * std::cos(reading.pan_rad) + post[1] * std::sin(reading.pan_rad);
+      const double across = post[1] * std::cos(reading.pan_rad) - dx * std::sin(reading.pan_rad);
+      const bool is_hit = along > 0.0 && std::abs(across) < kPostRadius_m;
+      if (is_hit && (!reading.has_return() || along < reading.range_m)) {
+        reading.range_m = along;
+      }
+    }
+    readings.push_back(reading);
+  }
+  return readings;
+}
+
+class SlamLoopTest : public testing::Test {
+ protected:
+  /// Scans at `x_m`, and gives what the loop sends.
+  std::optional<FixMessage> scan_at(double x_m) {
+    const std::vector<core::Reading> readings = sweep_from(x_m);
+    queue.push(ScanBegun{}, kNow);
+    for (std::uint32_t line = 0; line < 3; ++line) {
+      Scanline scanline;
+      scanline.readings = readings;
+      scanline.line = line;
+      EXPECT_TRUE(queue.push(scanline, kNow));
+      run();
+    }
+    queue.push(ScanEnded{.begin = kNow - seconds(3), .middle = kNow - seconds(2), .end = kNow, .lines = 3},
+               kNow);
+    run();
+    FixMessage message;
+    return outlets.fixes.pop(message) ? std::optional(message) : std::nullopt;
+  }
+
+  void run() {
+    while (loop.step({clock_now, seconds(1000), &is_stopping})) {
+    }
+  }
+
+  std::uint64_t revision() {
+    static_cast<void>(outlets.map.refresh());
+    return outlets.map.value().revision();
+  }
+
+  Config config;
+  ScanQueue queue{8, 120'000};
+  SlamOrders orders;
+  SlamOutlets outlets{config.core.capacities};
+  std::atomic<bool> is_stopping{false};
+  SlamLoop loop{config, queue, orders, outlets};
+};
+
+TEST_F(SlamLoopTest, SendsAFixForEachScan) {
+  ASSERT_TRUE(scan_at(0.0));
+  const auto second = scan_at(2.0);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->fix.status, core::FixStatus::Fix);
+  EXPECT_NEAR(second->fix.pose_W.x_m, 2.0, 0.2);
+  EXPECT_EQ(second->fix.time.end_utc, kNow + seconds(1000));
+  EXPECT_EQ(second->scan_ended, kNow);
+  EXPECT_GT(second->seen().size(), 8U);
+  EXPECT_EQ(loop.slam().hypotheses().revision(), revision());
+}
+
+TEST_F(SlamLoopTest, AStopEndsASearchAndItsScanHasNoResult) {
+  ASSERT_TRUE(scan_at(0.0));
+  const std::uint64_t before = revision();
+  is_stopping = true;
+  EXPECT_FALSE(scan_at(2.0));
+  EXPECT_EQ(revision(), before);
+  is_stopping = false;
+  const auto next = scan_at(2.0);
+  ASSERT_TRUE(next);
+  EXPECT_EQ(next->fix.status, core::FixStatus::Fix);
+}
+
+TEST_F(SlamLoopTest, OrdersComeBeforeScansAndAreAnswered) {
+  ASSERT_TRUE(scan_at(0.0));
+  ASSERT_TRUE(orders.give({SlamOrder::Kind::Freeze, {}}));
+  EXPECT_FALSE(orders.give({SlamOrder::Kind::Reset, {}})) << "one at a time";
+  EXPECT_FALSE(orders.answer());
+  run();
+  const auto frozen = orders.answer();
+  ASSERT_TRUE(frozen);
+  EXPECT_EQ(frozen->scans, 1U);
+  EXPECT_FALSE(orders.answer()) << "an answer is given once";
+
+  const std::uint64_t before = revision();
+  ASSERT_TRUE(scan_at(2.0));
+  EXPECT_EQ(revision(), before) << "a frozen map does not change";
+  ASSERT_TRUE(outlets.status.refresh());
+  EXPECT_TRUE(outlets.status.value().frozen);
+
+  ASSERT_TRUE(orders.give({SlamOrder::Kind::Reset, {}}));
+  run();
+  ASSERT_TRUE(orders.answer());
+  ASSERT_TRUE(outlets.status.refresh());
+  EXPECT_EQ(outlets.status.value().landmarks, 0U);
+}
+
+TEST_F(SlamLoopTest, AMoveOfTheCarrierTakesTheFixBack) {
+  ASSERT_TRUE(scan_at(0.0));
+  queue.push(ScanAborted{1, ScanAbort::CarrierMoved}, kNow);
+  run();
+  FixMessage message;
+  ASSERT_TRUE(outlets.fixes.pop(message));
+  EXPECT_EQ(message.fix.status, core::FixStatus::NoFix);
+  EXPECT_EQ(message.fix.reason, core::FixReason::Moved);
+  queue.push(ScanAborted{2, ScanAbort::PanTiltLost}, kNow);
+  run();
+  EXPECT_FALSE(outlets.fixes.pop(message));
+}
+
+}  // namespace
+}  // namespace slamsensor::firmware

@@ -1,0 +1,118 @@
+#include "firmware/status/sensor_tracker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+namespace slamsensor::firmware {
+namespace {
+
+using core::FixReason;
+using core::FixStatus;
+using std::chrono::seconds;
+
+HeadStatus head_of(hal::DeviceState pan_tilt, hal::DeviceState rangefinder) {
+  HeadStatus head;
+  head.pan_tilt.state = pan_tilt;
+  head.rangefinder.state = rangefinder;
+  return head;
+}
+
+HeadStatus ready_head() {
+  return head_of(hal::DeviceState::Ready, hal::DeviceState::Ready);
+}
+
+core::Fix fix_of(FixStatus status, FixReason reason) {
+  core::Fix fix;
+  fix.status = status;
+  fix.reason = reason;
+  fix.pose_W.x_m = 3.0;
+  return fix;
+}
+
+core::Fix good_fix() {
+  return fix_of(FixStatus::Fix, FixReason::None);
+}
+
+class SensorTrackerTest : public testing::Test {
+ protected:
+  /// State and report always agree.
+  void expect(SensorState state, FixStatus status, FixReason reason, hal::Stamp now) {
+    EXPECT_EQ(tracker_.state(now), state);
+    const FixReport report = tracker_.report(now);
+    EXPECT_EQ(report.fix.status, status);
+    EXPECT_EQ(report.fix.reason, reason);
+    EXPECT_EQ(report.fix.status == FixStatus::Fix, state == SensorState::Fixed);
+  }
+
+  SensorTracker tracker_{FixConfig{.stale_s = 60.0}, SourceMode::Live, 7, seconds(100)};
+};
+
+TEST_F(SensorTrackerTest, StartsUntilAllDevicesHaveAnswered) {
+  expect(SensorState::Starting, FixStatus::NoFix, FixReason::Device, seconds(101));
+  tracker_.on_head(head_of(hal::DeviceState::Ready, hal::DeviceState::Starting));
+  expect(SensorState::Starting, FixStatus::NoFix, FixReason::Device, seconds(102));
+  tracker_.on_head(ready_head());
+  EXPECT_EQ(tracker_.state(seconds(103)), SensorState::Scanning);
+  EXPECT_EQ(tracker_.report(seconds(103)).fix.status, FixStatus::NoFix);
+}
+
+TEST_F(SensorTrackerTest, SaysWhatTheLastScanSaid) {
+  tracker_.on_head(ready_head());
+  tracker_.on_fix(good_fix(), seconds(110));
+  expect(SensorState::Fixed, FixStatus::Fix, FixReason::None, seconds(111));
+  tracker_.on_fix(fix_of(FixStatus::Ambiguous, FixReason::Symmetric), seconds(112));
+  expect(SensorState::Ambiguous, FixStatus::Ambiguous, FixReason::Symmetric, seconds(113));
+  tracker_.on_fix(fix_of(FixStatus::NoFix, FixReason::NoOverlap), seconds(114));
+  expect(SensorState::Lost, FixStatus::NoFix, FixReason::NoOverlap, seconds(115));
+  tracker_.on_fix(fix_of(FixStatus::NoFix, FixReason::Moved), seconds(116));
+  expect(SensorState::Lost, FixStatus::NoFix, FixReason::Moved, seconds(117));
+}
+
+TEST_F(SensorTrackerTest, AFixGrowsStale) {
+  tracker_.on_head(ready_head());
+  tracker_.on_fix(good_fix(), seconds(110));
+  expect(SensorState::Fixed, FixStatus::Fix, FixReason::None, seconds(170));
+  expect(SensorState::Lost, FixStatus::NoFix, FixReason::Stale, seconds(171));
+}
+
+TEST_F(SensorTrackerTest, ALostDeviceTakesTheFixAwayAndGivesItBack) {
+  tracker_.on_head(ready_head());
+  tracker_.on_fix(good_fix(), seconds(110));
+  tracker_.on_head(head_of(hal::DeviceState::Absent, hal::DeviceState::Ready));
+  expect(SensorState::Faulted, FixStatus::NoFix, FixReason::Device, seconds(111));
+  tracker_.on_head(ready_head());
+  expect(SensorState::Fixed, FixStatus::Fix, FixReason::None, seconds(112));
+}
+
+TEST_F(SensorTrackerTest, HeldIsNoFix) {
+  tracker_.on_head(ready_head());
+  tracker_.on_fix(good_fix(), seconds(110));
+  HeadStatus held = ready_head();
+  held.held = true;
+  tracker_.on_head(held);
+  expect(SensorState::Held, FixStatus::NoFix, FixReason::Device, seconds(111));
+}
+
+TEST_F(SensorTrackerTest, AnotherMapMakesTheFixVoid) {
+  tracker_.on_head(ready_head());
+  tracker_.on_fix(good_fix(), seconds(110));
+  tracker_.on_new_map();
+  EXPECT_EQ(tracker_.state(seconds(111)), SensorState::Scanning);
+  EXPECT_EQ(tracker_.report(seconds(111)).fix.status, FixStatus::NoFix);
+}
+
+TEST_F(SensorTrackerTest, TimeToFirstFixIsThatOfTheFirst) {
+  tracker_.on_head(ready_head());
+  tracker_.on_fix(fix_of(FixStatus::NoFix, FixReason::TooFewLandmarks), seconds(110));
+  EXPECT_FALSE(tracker_.report(seconds(111)).time_to_first_fix);
+  tracker_.on_fix(good_fix(), seconds(120));
+  tracker_.on_fix(good_fix(), seconds(130));
+  const FixReport report = tracker_.report(seconds(131));
+  EXPECT_EQ(report.time_to_first_fix, seconds(20));
+  EXPECT_EQ(report.uptime, seconds(31));
+  EXPECT_EQ(report.initialization, 7U);
+}
+
+}  // namespace
+}  // namespace slamsensor::firmware

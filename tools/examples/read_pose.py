@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+"""Prints every pose of a SLAM sensor. Needs nothing but Python.
+
+  read_pose.py                              from LCM, default group
+  read_pose.py udpm://239.255.76.67:7667    from LCM
+  read_pose.py tcp://sensor.local:10110     from NMEA over TCP
+
+A line per pose: seconds since 1970, status, x (m), y (m), heading (degrees, counter-clockwise from the map's x axis);
+x, y and heading only where there is a fix, or the better of two places."""
+import calendar
+import math
+import socket
+import struct
+import sys
+import time
+from urllib.parse import urlsplit
+
+STATUS = ("no_fix", "ambiguous", "fix")
+
+# slamsensor.pose_t as slamsensor_pose_t.lcm has it, behind the fingerprint that tells the type. lcm-gen writes a class
+# for it too: lcm-gen --python slamsensor_pose_t.lcm.
+POSE = struct.Struct(">Q 10q 4b 3d 9d 4q d 3q")
+FINGERPRINT = 0x466A30C62957A78E
+
+
+def show(seconds, status, pose=None):
+    place = " {:.3f} {:.3f} {:.2f}".format(*pose) if pose else ""
+    print(f"{seconds:.2f} {status}{place}", flush=True)
+
+
+def read_lcm(group, port):
+    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+    sock.bind((group, port))
+    sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(group) + bytes(4))
+    while True:
+        datagram = sock.recv(65536)
+        # "LC02", the number of the message, its channel and a zero, the message: poses fit one datagram.
+        channel, _, message = datagram[8:].partition(b"\0")
+        if datagram[:4] != b"LC02" or not channel.endswith(b"_POSE") or len(message) != POSE.size:
+            continue
+        fields = POSE.unpack(message)
+        if fields[0] != FINGERPRINT:
+            continue
+        status, x, y, heading = fields[11], *fields[15:18]
+        pose = (x, y, math.degrees(heading) % 360) if status > 0 else None
+        show(fields[1] / 1e6, STATUS[status], pose)
+
+
+def checked(line):
+    """The fields of an NMEA sentence whose checksum is right; else none."""
+    body, _, checksum = line.strip().lstrip("$").partition("*")
+    found = 0
+    for character in body.encode():
+        found ^= character
+    return body.split(",") if checksum == f"{found:02X}" else []
+
+
+def read_nmea(host, port):
+    date = time.strftime("%d%m%y", time.gmtime())
+    stream = socket.create_connection((host, port)).makefile("r", encoding="ascii", errors="replace", newline="\r\n")
+    for line in stream:
+        fields = checked(line)
+        if fields and fields[0].endswith("RMC") and fields[9]:
+            date = fields[9]
+        if fields[:2] != ["PSLMA", "POSE"]:
+            continue
+        whole, _, fraction = fields[2].partition(".")
+        moment = time.strptime(date + whole, "%d%m%y%H%M%S")
+        status = {"V": "no_fix", "U": "ambiguous", "A": "fix"}[fields[3]]
+        pose = [float(field) for field in fields[6:9]] if status != "no_fix" else None
+        show(calendar.timegm(moment) + float("0." + fraction), status, pose)
+
+
+def main():
+    url = urlsplit(sys.argv[1] if len(sys.argv) > 1 else "udpm://239.255.76.67:7667")
+    if url.scheme == "tcp":
+        read_nmea(url.hostname, url.port or 10110)
+    else:
+        read_lcm(url.hostname or "239.255.76.67", url.port or 7667)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except KeyboardInterrupt:
+        pass

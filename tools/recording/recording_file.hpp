@@ -1,0 +1,44 @@
+#pragma once
+
+#include "core/fix.hpp"
+#include "firmware/recording/map_order.hpp"
+#include "tools/input/input_error.hpp"
+#include "tools/recording/tape_player.hpp"
+
+#include <tl/expected.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace slamsensor::tools {
+
+/// All of a recording but its tape, or of any other LCM event log. The tape is read chunk by chunk.
+struct RecordingFile {
+  std::filesystem::path path;
+  std::uint64_t events = 0;
+  std::optional<std::string> config;  ///< TOML of the settings in force
+  std::vector<std::uint8_t> map;      ///< the file of the map that the run began with; empty without one
+  std::int64_t chunks = 0;            ///< of tape, undamaged
+  std::int64_t scan_messages = 0;     ///< slamsensor.scan_t
+  std::vector<firmware::MapOrder> orders;
+  std::map<hal::Stamp, core::Fix>
+      fixes;                        ///< as they were sent, by the end of their scan on the sensor's clock
+  bool is_truncated = false;        ///< it ends within an event, as a log does whose logger was killed
+  std::vector<std::string> damage;  ///< what is wrong with the file, each in a sentence
+};
+
+/// Whether `path` is a file that begins as an LCM event log does.
+[[nodiscard]] bool is_event_log_file(const std::filesystem::path& path);
+
+/// Reads all of `path` once. Damage is no error: what is whole counts.
+[[nodiscard]] tl::expected<RecordingFile, InputError> open_recording(const std::filesystem::path& path);
+
+/// The undamaged chunks of the tape in `path`, in the order of the file.
+[[nodiscard]] std::unique_ptr<ChunkSource> open_tape(const std::filesystem::path& path);
+
+}  // namespace slamsensor::tools

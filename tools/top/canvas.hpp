@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slamsensor::tools {
+
+/// How a cell of a text screen looks.
+enum class CellStyle : std::uint8_t { Plain, Bold, Dim, Good, Warning, Bad, Inverse };
+
+/// A text screen in memory, `width` by `height` cells of printable ASCII, blank at first. What is drawn
+/// outside of it is left out.
+class Canvas {
+ public:
+  struct Cell {
+    char c = ' ';
+    CellStyle style = CellStyle::Plain;
+  };
+
+  /// Negative sizes are taken as 0, sizes above kSizeMax as that.
+  Canvas(int width, int height);
+  static constexpr int kSizeMax = 1000;
+
+  [[nodiscard]] int width() const noexcept { return width_; }
+  [[nodiscard]] int height() const noexcept { return height_; }
+  [[nodiscard]] const Cell& at(int x, int y) const { return cells_.at(index(x, y)); }
+
+  /// `text` from column `x` of row `y` on; anything but printable ASCII becomes '?'.
+  void put(int x, int y, std::string_view text, CellStyle style = CellStyle::Plain);
+
+  /// The rows as lines without blanks at their ends.
+  [[nodiscard]] std::string text() const;
+
+ private:
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+  }
+
+  int width_;
+  int height_;
+  std::vector<Cell> cells_;
+};
+
+}  // namespace slamsensor::tools
