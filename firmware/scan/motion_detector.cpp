@@ -11,6 +11,7 @@ constexpr double kAgreeingMin = 0.4;      // of an estimate
 constexpr std::uint32_t kRisenMin = 2;    // new things before old background ...
 constexpr double kRisenShare = 0.3;       // ... and this many for each that stood
 constexpr double kBreakShare = 0.4;       // of what was known of the line before
+constexpr double kRisenAtBreak = 0.15;    // of what such a line sees
 constexpr double kRisenNowShare = 0.25;   // of what an incoherent line sees
 constexpr std::uint32_t kLinesInRow = 3;  // without an agreement
 
@@ -104,12 +105,16 @@ bool MotionDetector::breaks_off() noexcept {
   const double known_share = seen > 0.0 ? report_.tally.known / seen : 0.0;
   const double before = std::exchange(known_share_, known_share);
   const double sigma = std::sqrt(before * (1.0 - before) / std::max(1.0, seen)) + 0.5 / std::max(1.0, seen);
-  return known_share < kBreakShare * before && before - known_share > config_.sigmas * sigma;
+  return report_.tally.risen_now > kRisenAtBreak * seen && known_share < kBreakShare * before &&
+         before - known_share > config_.sigmas * sigma;
 }
 
+/// Whether line after line sees new things before what was seen until then, and nothing stands.
 bool MotionDetector::is_incoherent() noexcept {
   const MarkTally& tally = report_.tally;
-  const bool is_one = tally.seen >= 2 * config_.things_min &&
+  const bool something_stands =
+      tally.standing >= config_.things_min && tally.lost < config_.lost_share_min * tally.standing;
+  const bool is_one = !something_stands && tally.seen >= 2 * config_.things_min &&
                       tally.known < config_.coherent_share_min * tally.seen &&
                       tally.risen_now > kRisenNowShare * tally.seen;
   incoherent_ = is_one ? incoherent_ + 1 : 0;

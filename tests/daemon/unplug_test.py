@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Each device's cable is pulled and put back again and again while the daemon runs: it recovers each time, nothing is
 restarted, and no fix is wrong. unplug_test.py SLAMSENSOR SLAMSENSORD. SLAMSENSOR_UNPLUGS: how often for each device
-(default 8)."""
+(default 4)."""
 import csv
 import os
 import pathlib
@@ -14,7 +14,7 @@ import unittest
 from sensor import HERE, Sensor
 
 PROGRAMS = sys.argv[1:3]
-UNPLUGS = int(os.environ.get("SLAMSENSOR_UNPLUGS", "8"))
+UNPLUGS = int(os.environ.get("SLAMSENSOR_UNPLUGS", "4"))
 PATIENCE_S = 20.0  # for one recovery
 OUT_S, GAP_S = 0.7, 10.0
 FIRST_S = 8.0  # time to start and find a first fix

@@ -82,7 +82,7 @@ CommandResult run(const Options& options) {
   tl::expected<RecordSummary, WorldError> summary;
   {
     ProgressBar bar("record");
-    summary = record_drive(drive, [&](std::uint32_t done, std::uint32_t scans) { bar.update(done, scans); });
+    summary = record_drive(drive, [&](std::uint32_t done, std::uint32_t total) { bar.update(done, total); });
   }
   if (!summary) {
     return tl::unexpected(CommandError{summary.error().message + '\n', EX_CANTCREAT});

@@ -95,7 +95,7 @@ class Drive {
         static_cast<void>(head_->head().next_stand());
       }
       if (progress) {
-        progress(summary_.scans, scans);
+        tell(progress, order, scans);
       }
     }
   }
@@ -110,6 +110,15 @@ class Drive {
   }
 
  private:
+  void tell(const RecordProgress& progress, const RecordDrive& order, std::uint32_t scans) const {
+    if (order.scans || !order.seconds) {
+      progress(summary_.scans, scans);
+    } else {
+      progress(static_cast<std::uint32_t>(hal::to_seconds(head_->now())),
+               static_cast<std::uint32_t>(*order.seconds));
+    }
+  }
+
   /// One millisecond; true when a scan ended in it.
   bool step() {
     head_->advance(head_->now() + kStep);

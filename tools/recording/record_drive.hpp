@@ -39,8 +39,8 @@ struct RecordSummary {
   std::string problem;           ///< what kept the head from scanning at the end; empty when nothing did
 };
 
-/// Told after each scan.
-using RecordProgress = std::function<void(std::uint32_t scans_done, std::uint32_t scans)>;
+/// Told after each scan: scans made and wanted, or seconds where only those are limited.
+using RecordProgress = std::function<void(std::uint32_t done, std::uint32_t total)>;
 
 /// Records a drive of an emulated head in simulated time, as fast as the processor: a recording like that of
 /// a live sensor (firmware/recording/recorder.hpp), with the tape, each pose, the landmarks of each scan and

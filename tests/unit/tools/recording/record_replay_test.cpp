@@ -70,8 +70,11 @@ firmware::Config settings_of(const RecordingFile& recording) {
 class RecordReplay : public testing::Test {
  protected:
   RecordSummary record(const Scenario& scenario, std::uint32_t scans, const std::string& name = "drive.lcm") {
-    const auto summary = record_drive(
-        {.scenario = scenario, .config = small_config(), .out = folder_.path() / name, .scans = scans});
+    const auto summary = record_drive({.scenario = scenario,
+                                       .config = small_config(),
+                                       .out = folder_.path() / name,
+                                       .scans = scans,
+                                       .seconds = {}});
     EXPECT_TRUE(summary) << summary.error().message;
     return *summary;
   }
