@@ -16,7 +16,8 @@ struct RealtimeConfig {
   RealtimeMode mode = RealtimeMode::Optional;
   std::uint32_t scan_priority = 80;    ///< [1, 99] of SCHED_FIFO: bytes to readings
   std::uint32_t slam_priority = 60;    ///< [1, 99], below scan_priority: readings to fix
-  double scan_period_s = 0.001;        ///< [0.0005, 0.01] s between two looks at the devices
+  double scan_period_s = 0.00073;      ///< [0.0005, 0.01] s between two looks at the devices; off the grid of
+                                       ///< their own milliseconds, so that roundings average out
   double scan_deadline_s = 0.005;      ///< [0.0005, 0.1] s: a look that ends later than this after it was
                                        ///< due is a counted miss
   double slam_deadline_s = 5.0;        ///< [0.01, 600] s for the pose of a scan; then the search is cut

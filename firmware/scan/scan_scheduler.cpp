@@ -8,7 +8,9 @@
 namespace slamsensor::firmware {
 namespace {
 
-constexpr double kPushedSteps = 2.5;  // a resting axis is polled to within one position
+// A resting axis is polled to within one position; one that a servo holds gives way a little.
+constexpr double kPushedSteps = 2.5;
+constexpr double kPushed_rad = 0.00175;
 
 constexpr SchedulerEvent event_of(ScanAbort reason) noexcept {
   return static_cast<SchedulerEvent>(static_cast<std::uint8_t>(SchedulerEvent::AbortedPanTiltLost) +
@@ -226,7 +228,8 @@ std::optional<ScanAbort> ScanScheduler::find_abort() const noexcept {
 bool ScanScheduler::rests_elsewhere() const noexcept {
   const auto is_off = [this](const AxisMove& move, hal::Axis axis, double resolution_rad) {
     const double off_rad = pan_tilt_.axis(axis).position_rad - move.target_rad();
-    return move.state() == AxisMoveState::Arrived && std::abs(off_rad) > kPushedSteps * resolution_rad;
+    return move.state() == AxisMoveState::Arrived &&
+           std::abs(off_rad) > std::max(kPushed_rad, kPushedSteps * resolution_rad);
   };
   return is_off(pan_, hal::Axis::Pan, plan_.pan_resolution_rad) ||
          is_off(tilt_, hal::Axis::Tilt, plan_.tilt_resolution_rad);

@@ -15,6 +15,11 @@ void SensorTracker::on_head(const HeadStatus& head) {
       head.pan_tilt.state == hal::DeviceState::Ready && head.rangefinder.state == hal::DeviceState::Ready;
   were_ready_ = were_ready_ || all_ready_;
   is_held_ = head.held;
+  if (fix_ && (!all_ready_ || is_held_)) {
+    // Nobody looked meanwhile: where the sensor was is a fix again when the next scan says so.
+    fix_->status = core::FixStatus::NoFix;
+    fix_->reason = core::FixReason::Device;
+  }
 }
 
 bool SensorTracker::is_stale(hal::Stamp now) const {

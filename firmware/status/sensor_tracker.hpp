@@ -15,6 +15,7 @@ namespace slamsensor::firmware {
 ///   Starting   the devices have not all answered since start
 ///   Faulted    a device that has answered does not any more: no fix, reason device
 ///   Held       scanning is not allowed: no fix, reason device
+///              After both the last fix stays void (Lost, reason device) until a scan has been made.
 ///   Scanning   no scan has been localised yet
 ///   Fixed, Ambiguous, Lost   as the last scan ended; Lost with the reason stale when no scan has come for
 ///              FixConfig::stale_s, with the reason moved when the carrier moved while it was scanned

@@ -91,8 +91,10 @@ Status add_file(const Path& path, ScanFiles& files) {
   if (extension == ".csv") {
     return add_csv(path, false, files);
   }
-  return refuse(path.string(),
-                "ends in neither .pcd nor .csv; scans are point clouds (.pcd), readings or landmarks (.csv)");
+  return refuse(
+      path.string(),
+      "ends in neither .pcd nor .csv; scans are point clouds (.pcd), readings or landmarks (.csv), or "
+      "a recording, which begins as an LCM event log does");
 }
 
 // The regular .pcd and .csv files of a folder by name, so that the order does not depend on the file system.

@@ -1,5 +1,7 @@
 #include "firmware/recording/recording_links.hpp"
 
+#include "firmware/recording/tape_ring.hpp"
+#include "tests/support/no_alloc_scope.hpp"
 #include "tests/support/scripted_can_link.hpp"
 #include "tests/support/scripted_link.hpp"
 #include "tests/unit/firmware/recording/kept_chunks.hpp"
@@ -79,6 +81,30 @@ TEST(RecordingByteLink, ReadsAtMostWhatATapeCarries) {
   EXPECT_EQ(link.read(bytes).count, kTapeBytesMax);
   EXPECT_EQ(link.read(bytes).count, 20'000 - 2 * kTapeBytesMax);
   EXPECT_EQ(tape.lost(), 0U);
+}
+
+TEST(RecordingByteLink, AsksTheHeapForNothingWhileItRecords) {
+  if (!tests::NoAllocScope::works()) {
+    GTEST_SKIP() << "the sanitizers' heap cannot be watched";
+  }
+  tests::ScriptedLink line;
+  line.set_up(true);
+  line.deliver(std::string(200'000, 'x'), {}, 4'000'000);
+  line.set_now(std::chrono::seconds(10));
+  TapeRing ring(4);
+  TapeWriter tape(ring);
+  RecordingByteLink link(line, HeadLink::RangefinderBytes);
+  std::vector<std::uint8_t> bytes(4096);
+  const tests::NoAllocScope scope;
+  link.attach(&tape);
+  for (int i = 0; i < 100; ++i) {  // six chunks and more: the ring overflows
+    tape.step(std::chrono::seconds(10) + std::chrono::milliseconds(i));
+    link.service(std::chrono::seconds(10));
+    static_cast<void>(link.read(bytes));
+    static_cast<void>(link.write(std::span(bytes).first(8)));
+  }
+  EXPECT_EQ(scope.heap_calls(), 0U);
+  EXPECT_GT(tape.lost(), 0U);
 }
 
 TEST(RecordingHeadLinks, TapTheLinksThatAreThere) {

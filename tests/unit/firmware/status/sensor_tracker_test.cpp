@@ -76,13 +76,15 @@ TEST_F(SensorTrackerTest, AFixGrowsStale) {
   expect(SensorState::Lost, FixStatus::NoFix, FixReason::Stale, seconds(171));
 }
 
-TEST_F(SensorTrackerTest, ALostDeviceTakesTheFixAwayAndGivesItBack) {
+TEST_F(SensorTrackerTest, ALostDeviceTakesTheFixAwayUntilTheNextScan) {
   tracker_.on_head(ready_head());
   tracker_.on_fix(good_fix(), seconds(110));
   tracker_.on_head(head_of(hal::DeviceState::Absent, hal::DeviceState::Ready));
   expect(SensorState::Faulted, FixStatus::NoFix, FixReason::Device, seconds(111));
   tracker_.on_head(ready_head());
-  expect(SensorState::Fixed, FixStatus::Fix, FixReason::None, seconds(112));
+  expect(SensorState::Lost, FixStatus::NoFix, FixReason::Device, seconds(112));
+  tracker_.on_fix(good_fix(), seconds(113));
+  expect(SensorState::Fixed, FixStatus::Fix, FixReason::None, seconds(114));
 }
 
 TEST_F(SensorTrackerTest, HeldIsNoFix) {
@@ -92,6 +94,8 @@ TEST_F(SensorTrackerTest, HeldIsNoFix) {
   held.held = true;
   tracker_.on_head(held);
   expect(SensorState::Held, FixStatus::NoFix, FixReason::Device, seconds(111));
+  tracker_.on_head(ready_head());
+  expect(SensorState::Lost, FixStatus::NoFix, FixReason::Device, seconds(112));
 }
 
 TEST_F(SensorTrackerTest, AnotherMapMakesTheFixVoid) {

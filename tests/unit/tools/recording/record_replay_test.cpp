@@ -46,6 +46,8 @@ Scenario bad_day() {
 /// Eight lines through the trunks, few readings each.
 firmware::Config small_config() {
   firmware::Config config;
+  config.scan_head.scan.pan_min_rad = -1.0;
+  config.scan_head.scan.pan_max_rad = 1.0;
   config.scan_head.scan.pan_speed_radps = 5.0;
   config.scan_head.scan.tilt_min_rad = -0.03;
   config.scan_head.scan.tilt_max_rad = 0.04;
@@ -146,13 +148,13 @@ std::vector<Scan> driven_scans(const Scenario& scenario, std::size_t count) {
 TEST_F(RecordReplay, ReadingsOfAFaultyHeadAreThoseOfTheDriveBitForBit) {
   const Scenario scenario = bad_day();
   SCOPED_TRACE(testing::Message() << "seed " << scenario.seed);
-  const RecordSummary summary = record(scenario, 3);
-  EXPECT_EQ(summary.scans, 3U);
+  const RecordSummary summary = record(scenario, 2);
+  ASSERT_EQ(summary.scans, 2U) << summary.problem;
   EXPECT_THAT(summary.faults, HasSubstr("fault,ptu,power_cycle"));
   const auto played = played_scans(folder_.path() / "drive.lcm");
-  const auto driven = driven_scans(scenario, 3);
-  ASSERT_EQ(played.size(), 3U);
-  ASSERT_EQ(driven.size(), 3U);
+  const auto driven = driven_scans(scenario, 2);
+  ASSERT_EQ(played.size(), 2U);
+  ASSERT_EQ(driven.size(), 2U);
   for (std::size_t scan = 0; scan < played.size(); ++scan) {
     ASSERT_EQ(played[scan].size(), driven[scan].size());
     for (std::size_t line = 0; line < played[scan].size(); ++line) {
@@ -164,11 +166,11 @@ TEST_F(RecordReplay, ReadingsOfAFaultyHeadAreThoseOfTheDriveBitForBit) {
 TEST_F(RecordReplay, FixesAreThoseOfTheDriveBitForBitAndSoIsTheFile) {
   const Scenario scenario = scenario_of("fast.toml");
   const RecordSummary summary = record(scenario, 4);
-  EXPECT_EQ(summary.truth.size(), 4U);
+  ASSERT_EQ(summary.truth.size(), 4U) << summary.problem;
   static_cast<void>(record(scenario, 4, "again.lcm"));
   EXPECT_EQ(content(folder_.path() / "drive.lcm"), content(folder_.path() / "again.lcm"));
   const Replay replayed = replay_of();
-  EXPECT_EQ(replayed.rows.size(), 4U);
+  ASSERT_EQ(replayed.rows.size(), 4U);
   EXPECT_EQ(replayed.fixes_compared, 4U);
   EXPECT_EQ(replayed.fixes_alike, 4U);
   EXPECT_FALSE(replayed.is_damaged);
@@ -182,7 +184,7 @@ TEST_F(RecordReplay, ABusIsRecordedToo) {
   scenario.head.ptu = {.unit = PanTiltModel::CanOpen, .begin = DeviceBegin::PowerUp};
   scenario.head.rangefinder = {.unit = RangefinderModel::Tf03Can, .rate_hz = 1000.0};
   const RecordSummary summary = record(scenario, 2);
-  EXPECT_EQ(summary.scans, 2U) << summary.problem;
+  ASSERT_EQ(summary.scans, 2U) << summary.problem;
   const Replay replayed = replay_of();
   EXPECT_EQ(replayed.fixes_alike, 2U);
   EXPECT_EQ(replayed.rows.size(), 2U);
