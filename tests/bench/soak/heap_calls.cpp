@@ -1,13 +1,12 @@
-// A library for LD_PRELOAD that counts the heap calls of every thread into the file HEAP_CALLS_FILE: pairs of 64-bit
-// numbers, thread and calls. tests/bench/soak/soak reads it while the daemon runs.
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <unistd.h>
-
+// A library for LD_PRELOAD that counts the heap calls of every thread into the file HEAP_CALLS_FILE: pairs of
+// 64-bit numbers, thread and calls. tests/bench/soak/soak reads it while the daemon runs.
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 namespace {
 
