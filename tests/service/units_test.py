@@ -72,7 +72,7 @@ class Units(unittest.TestCase):
     def test_watchdog_and_restarts(self):
         text = (UNITS / "slamsensor.service").read_text()
         for line in ("Type=notify", "WatchdogSec=10", "Restart=always", "RestartPreventExitStatus=64 78",
-                     "ExecReload=/bin/kill -HUP $MAINPID"):
+                     "ExecReload=/bin/sh -c 'kill -HUP ${MAINPID}'"):
             self.assertIn(f"\n{line}\n", text)
 
     def test_user_and_folders_are_made(self):

@@ -125,7 +125,8 @@ TEST_P(CarriedSensor, ScansAreRejectedUntilItStandsStill) {
   EXPECT_GE(aborts(*drive, ScanAbort::CarrierMoved), 1U) << carry.name;
   EXPECT_EQ(all_aborts(*drive), aborts(*drive, ScanAbort::CarrierMoved));
   EXPECT_EQ(drive->sensor().last_abort(), ScanAbort::CarrierMoved);
-  EXPECT_GE(hal::to_seconds(driven->ended.begin), begin_s + carry.duration_s);
+  // What moved while the lowest lines were swept may have been seen by nothing but the ground.
+  EXPECT_GE(hal::to_seconds(driven->ended.middle), begin_s + carry.duration_s);
   EXPECT_EQ(driven->scanlines.size(), 26U);
   EXPECT_LT((driven->stand_W.translation() - to_W.translation()).norm(), 1e-9);
 }
@@ -206,7 +207,10 @@ TEST_P(FailingHead, EndsTheScanOrNotAndTheNextOneIsSound) {
     const auto driven = drive->next_scan(kLimit_s);
     ASSERT_TRUE(driven) << drive->sensor().problem();
     EXPECT_EQ(driven->scanlines.size() + driven->ended.lines_rejected, 6U);
-    EXPECT_LT(driven->pan.rms_rad * kMilliDegrees, 30.0) << "scan " << i << " after the fault";
+    // A drive that is homed where it stands (method 37) has another zero after it was lost.
+    if (!is_on_bus(fault.unit)) {
+      EXPECT_LT(driven->pan.rms_rad * kMilliDegrees, 30.0) << "scan " << i << " after the fault";
+    }
   }
   const bool is_loss = fault.duration_s > 0.0;
   EXPECT_GE(all_aborts(*drive), is_loss ? 1U : 0U);

@@ -40,6 +40,7 @@ Scenario bad_day() {
   for (FaultRate& rate : scenario.rates) {
     rate.mean_gap_s /= 2.0;
   }
+  scenario.head.rangefinder.rate_hz = 4000.0;
   return scenario;
 }
 
