@@ -151,6 +151,7 @@ TEST_F(RecordReplay, ReadingsOfAFaultyHeadAreThoseOfTheDriveBitForBit) {
   SCOPED_TRACE(testing::Message() << "seed " << scenario.seed);
   const RecordSummary summary = record(scenario, 2);
   ASSERT_EQ(summary.scans, 2U) << summary.problem;
+  EXPECT_GT(summary.readings, 5000U);
   EXPECT_THAT(summary.faults, HasSubstr("fault,ptu,power_cycle"));
   const auto played = played_scans(folder_.path() / "drive.lcm");
   const auto driven = driven_scans(scenario, 2);
