@@ -7,7 +7,8 @@
 namespace slamsensor::tools {
 namespace {
 
-constexpr double kRawRateHz = 20'000.0;  // LWNX devices send it in packets of raw readings alone
+constexpr std::int8_t kToLowerSwitch = 17;  // CiA 402, homing methods
+constexpr double kRawRateHz = 20'000.0;     // LWNX devices send it in packets of raw readings alone
 
 void set_pan_tilt(firmware::HeadConfig& config, const PtuProfile& profile) {
   if (!is_on_bus(profile.unit)) {
@@ -17,6 +18,7 @@ void set_pan_tilt(firmware::HeadConfig& config, const PtuProfile& profile) {
   for (hal::CanopenAxisConfig* const axis : {&config.canopen.pan, &config.canopen.tilt}) {
     axis->scale = hal::CanopenScale::FromDrive;
     axis->speed_max_radps = 5.0;
+    axis->homing_method = profile.encoder == DriveMemory::Incremental ? kToLowerSwitch : 0;
   }
 }
 

@@ -62,9 +62,16 @@ inline constexpr std::array<UnitText, 8> kRangefinderUnits = {
 /// Whether a device has just got its power or has long been running when the scenario starts.
 enum class DeviceBegin : std::uint8_t { PowerUp, Ready };
 
+/// What a drive knows of its place when it gets power.
+enum class DriveMemory : std::uint8_t {
+  Absolute,     ///< counts as before
+  Incremental,  ///< counts from 0 where it stands, until it is homed
+};
+
 struct PtuProfile {
   PanTiltModel unit = PanTiltModel::D46_17_5;
   DeviceBegin begin = DeviceBegin::PowerUp;
+  DriveMemory encoder = DriveMemory::Absolute;  ///< of a CanOpen unit
   std::uint32_t baud = 9600;
   double reply_latency_s = 0.003;  ///< from the end of a command to its answer
   double reply_jitter_s = 0.001;   ///< standard deviation of it

@@ -50,6 +50,10 @@ CanopenHeadSettings canopen_settings_of(const PtuProfile& profile) {
   CanopenHeadSettings settings = canopen_head_settings();
   for (DriveSettings* const axis : {&settings.pan, &settings.tilt}) {
     axis->begin = profile.begin;
+    axis->memory = profile.encoder;
+    if (profile.encoder == DriveMemory::Incremental) {
+      axis->home_offset = axis->lower_limit - axis->switch_margin;  // as homing by method 17 needs it
+    }
     axis->boot_time = hal::from_seconds(profile.boot_s);
     axis->sdo_latency = {hal::from_seconds(profile.reply_latency_s),
                          hal::from_seconds(profile.reply_jitter_s)};

@@ -55,6 +55,7 @@ Section ptu_section(PtuProfile& ptu) {
   return {"ptu",
           {{"unit", choice_of(ptu.unit, words_of(kPtuUnits))},
            {"begin", begin_choice(ptu.begin)},
+           {"encoder", choice_of(ptu.encoder, {"absolute", "incremental"})},
            {"baud", &ptu.baud, kBaudMin, kBaudMax},
            {"reply_latency_ms", &ptu.reply_latency_s, 0.0, 1000.0, kMilli},
            {"reply_jitter_ms", &ptu.reply_jitter_s, 0.0, 1000.0, kMilli},

@@ -83,7 +83,7 @@ constexpr Setting kSettings[] = {
     {"ptu.half_width_max_s", "s", "Positions of a moving axis that are less sure in time are not used.",
      duration<kHead, kPtu, &PtuConfig::half_width_max>(1e-6, 600.0)},
 
-    {"canopen.homing", "", "When a start-up drives an axis to its reference.",
+    {"canopen.homing", "", "When a start-up drives an axis to its reference; never: for absolute encoders.",
      choice<kHead, kCanopen, &CanopenConfig::homing>(kHomings)},
     {"canopen.fault_reset", "", "Whether a start-up resets a drive's fault.",
      choice<kHead, kCanopen, &CanopenConfig::fault_reset>(kFaultResets)},
@@ -144,7 +144,7 @@ constexpr Setting kSettings[] = {
      degrees<kHead, kCanopen, kPan, &CanopenAxisConfig::acceleration_radps2>(0.0, 500'000.0)},
     {"canopen_pan.window_deg", "deg", "A move has ended within this of its target.",
      degrees<kHead, kCanopen, kPan, &CanopenAxisConfig::window_rad>(0.00001, 50.0)},
-    {"canopen_pan.homing_method", "", "Object 6098, by the manufacturer's table.",
+    {"canopen_pan.homing_method", "", "Object 6098, by the manufacturer's table; 0: refuse a drive that is not homed.",
      integer<kHead, kCanopen, kPan, &CanopenAxisConfig::homing_method>(-128, 127)},
 
     {"canopen_tilt.node", "", "Node number of the drive.",
@@ -169,7 +169,7 @@ constexpr Setting kSettings[] = {
      degrees<kHead, kCanopen, kTilt, &CanopenAxisConfig::acceleration_radps2>(0.0, 500'000.0)},
     {"canopen_tilt.window_deg", "deg", "A move has ended within this of its target.",
      degrees<kHead, kCanopen, kTilt, &CanopenAxisConfig::window_rad>(0.00001, 50.0)},
-    {"canopen_tilt.homing_method", "", "Object 6098, by the manufacturer's table.",
+    {"canopen_tilt.homing_method", "", "Object 6098, by the manufacturer's table; 0: refuse a drive that is not homed.",
      integer<kHead, kCanopen, kTilt, &CanopenAxisConfig::homing_method>(-128, 127)},
 };
 // clang-format on

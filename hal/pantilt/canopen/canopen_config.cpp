@@ -73,6 +73,10 @@ std::string config_problem(const CanopenConfig& config) {
       return (axis == &config.pan ? "pan: " : "tilt: ") + problem;
     }
   }
+  if (config.homing == CanopenHoming::Always &&
+      (config.pan.homing_method == 0 || config.tilt.homing_method == 0)) {
+    return "homing is always, which needs a homing_method of both axes";
+  }
   if (config.pan.node == config.tilt.node) {
     return "pan and tilt are both node " + std::to_string(config.pan.node) + "; they must differ";
   }

@@ -13,7 +13,7 @@ enum class CanopenSense : std::uint8_t { Normal, Reversed };
 
 /// When a start-up drives an axis to its reference (CiA 402 homing mode).
 enum class CanopenHoming : std::uint8_t {
-  Never,
+  Never,       ///< for absolute encoders alone: what the drive tells is believed
   IfNotHomed,  ///< bit 12 of the statusword, in homing mode, does not say "attained"
   Always,
 };
@@ -56,7 +56,10 @@ struct CanopenAxisConfig {
   double speed_max_radps = 1.0;      ///< allowed here; the drive's 607F, where told, lowers it
   double acceleration_radps2 = 0.0;  ///< set in the drive; 0: the drive's own is read and kept
   double window_rad = 0.001;         ///< a move has ended within this of its target
-  std::int8_t homing_method = 37;    ///< 6098, manufacturer's table
+  /// Object 6098, by the manufacturer's table; 0: none, and a drive that says that it is not homed is
+  /// refused. Methods 35 and 37 take zero from where the axis stands: done once, they are refused after a
+  /// loss.
+  std::int8_t homing_method = 0;
 };
 
 /// How to talk to a pan-tilt unit of two CiA 402 drives on one CANopen bus.

@@ -56,6 +56,8 @@ constexpr std::array<std::string_view, kFirstAbort> kTexts{
     "none of its PDOs has both statusword and position; choose another feedback",
     "its drive does not reach the state asked for; check its power stage and enable input",
     "its drive is in the fault state",
+    "is not homed; set homing_method, or homing to never for an absolute encoder",
+    "lost its zero, which methods 35 and 37 do not find again; use a reference, or an absolute encoder",
     "homing failed; check the reference switch and the homing method",
     "homing did not end in time",
     "heartbeat lost; check power and cable",

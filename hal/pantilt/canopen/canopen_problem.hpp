@@ -19,6 +19,8 @@ enum class CanopenProblem : std::uint8_t {
   NoPdo,
   StateTimeout,
   DriveFault,
+  NotHomed,
+  ZeroLost,
   HomingFailed,
   HomingTimeout,
   HeartbeatLost,

@@ -10,6 +10,11 @@ constexpr Stamp kStaleBits = std::chrono::milliseconds(100);
 
 constexpr std::uint32_t kAttained = status::kTargetReached | status::kAcknowledge;
 
+/// Zero is where the axis happens to stand (CiA 402, homing methods 35 and 37).
+bool is_here(std::int8_t method) noexcept {
+  return method == 35 || method == 37;
+}
+
 SdoRequest mode_request(DriveMode mode) noexcept {
   return SdoRequest::write(object::kMode, static_cast<std::uint32_t>(mode), 1);
 }
@@ -55,9 +60,12 @@ CanopenProblem CanopenReferenceScript::on_result(const SdoResult& result, const 
   }
   switch (step_) {
     case Step::HomingShown:
-      return on_shown(result, config_.homing == CanopenHoming::Always ? Step::Method : Step::Homed, now);
+      return on_shown(result, Step::Homed, now);
     case Step::Homed:
-      enter((result.value & status::kAcknowledge) != 0 ? Step::Mode : Step::Method, now);
+      if ((result.value & status::kAcknowledge) == 0 || config_.homing == CanopenHoming::Always) {
+        return start_homing(now);
+      }
+      enter(Step::Mode, now);
       break;
     case Step::Wait:
       return on_homing(result.value, now);
@@ -65,6 +73,7 @@ CanopenProblem CanopenReferenceScript::on_result(const SdoResult& result, const 
       return on_shown(result, Step::Position, now);
     case Step::Position:
       position_ = result.signed_value();
+      had_zero_ = true;
       enter(Step::Done, now);
       break;
     case Step::HomingMode:
@@ -94,6 +103,18 @@ CanopenProblem CanopenReferenceScript::on_shown(const SdoResult& result, Step ne
     return CanopenProblem::None;
   }
   return now - since_ > config_.state_timeout ? CanopenProblem::StateTimeout : CanopenProblem::None;
+}
+
+/// Another zero than before would turn every heading by what the axis was turned: rather no fix.
+CanopenProblem CanopenReferenceScript::start_homing(Stamp now) noexcept {
+  if (axis_.homing_method == 0) {
+    return CanopenProblem::NotHomed;
+  }
+  if (had_zero_ && is_here(axis_.homing_method)) {
+    return CanopenProblem::ZeroLost;
+  }
+  enter(Step::Method, now);
+  return CanopenProblem::None;
 }
 
 CanopenProblem CanopenReferenceScript::on_homing(std::uint32_t statusword, Stamp now) noexcept {

@@ -43,6 +43,7 @@ class CanopenReferenceScript final : public CanopenScript {
 
   void enter(Step step, Stamp now) noexcept;
   [[nodiscard]] CanopenProblem on_shown(const SdoResult& result, Step next, Stamp now) noexcept;
+  [[nodiscard]] CanopenProblem start_homing(Stamp now) noexcept;
   [[nodiscard]] CanopenProblem on_homing(std::uint32_t statusword, Stamp now) noexcept;
 
   const CanopenConfig& config_;
@@ -51,6 +52,7 @@ class CanopenReferenceScript final : public CanopenScript {
   Step step_ = Step::Done;
   Stamp since_{};
   bool was_busy_ = false;
+  bool had_zero_ = false;  // in an earlier start-up
   std::int32_t position_ = 0;
 };
 

@@ -59,6 +59,7 @@ void DriveControl::start(Stamp now) {
 void DriveControl::cut(Stamp now) {
   start(now);
   held_until_ = Stamp{};
+  knows_zero_ = settings_.memory == DriveMemory::Absolute;
   state_ = DriveState::NotReady;
 }
 

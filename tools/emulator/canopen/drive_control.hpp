@@ -32,7 +32,10 @@ class DriveControl {
  public:
   /// All outlive it.
   DriveControl(const DriveSettings& settings, const ObjectDictionary& objects, DriveAxis& axis)
-      : settings_(settings), objects_(objects), axis_(axis) {}
+      : settings_(settings),
+        objects_(objects),
+        axis_(axis),
+        knows_zero_(settings.memory == DriveMemory::Absolute) {}
 
   /// As after power-up or a reset of the node: switch-on disabled, no mode, the axis stands.
   void start(Stamp now);
@@ -65,7 +68,7 @@ class DriveControl {
   [[nodiscard]] std::optional<DriveError> take_report();
 
  private:
-  enum class Homing : std::uint8_t { Idle, Running, Done, Failed };
+  enum class Homing : std::uint8_t { Idle, Running, Done, Failed };  // since the mode was set
   struct SetPoint {
     double target = 0.0;
     DriveRates rates;
@@ -109,6 +112,7 @@ class DriveControl {
   bool is_acknowledged_ = false;  // bit 12 of profile position
   bool is_limited_ = false;       // bit 11
   Homing homing_ = Homing::Idle;
+  bool knows_zero_;
   Stamp step_at_ = hal::kNever;  // the end of the present motion, until seen
 };
 

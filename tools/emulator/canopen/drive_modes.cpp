@@ -164,12 +164,14 @@ void DriveControl::begin_homing(Stamp now) {
                            number(object::kHomingAcceleration)};
   const bool knows = axis_.home(now, objects_.value(object::kHomingMethod), homing);
   homing_ = knows ? Homing::Running : Homing::Failed;
+  knows_zero_ = false;
   step_at_ = knows ? axis_.settled_at() : hal::kNever;
 }
 
 // Home is where the home offset is (CiA 402, home offset).
 void DriveControl::end_homing(Stamp now) {
   homing_ = Homing::Done;
+  knows_zero_ = true;
   axis_.set_position(now, number(object::kHomeOffset));
   last_target_ = number(object::kHomeOffset);
 }
@@ -190,7 +192,8 @@ std::uint16_t DriveControl::mode_bits(Stamp now) const {
     bits |= axis_.is_moving(now) ? 0U : kModeBit12;
   } else if (mode_ == kHoming) {
     bits &= homing_ == Homing::Running ? 0U : kReached;
-    bits |= homing_ == Homing::Done ? kModeBit12 : 0U;
+    const bool remembers = settings_.homed_bit == DriveHomedBit::WhileTrue && knows_zero_;
+    bits |= homing_ == Homing::Done || remembers ? kModeBit12 : 0U;
     bits |= homing_ == Homing::Failed ? kModeBit13 : 0U;
   }
   return static_cast<std::uint16_t>(bits);

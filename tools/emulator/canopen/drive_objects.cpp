@@ -111,7 +111,7 @@ void add_motion(ObjectDictionary& objects, const DriveSettings& settings) {
   const CanObject limit{.type = I32, .access = ReadWrite};
   const CanObject fact{};
   objects.add(object::kTarget, {.type = I32, .access = ReadWrite, .value = settings.start, .mapping = Both});
-  objects.add(object::kHomeOffset, limit);
+  objects.add(object::kHomeOffset, {.type = I32, .access = ReadWrite, .value = settings.home_offset});
   add_array(objects, 0x607D, limit, std::array<std::int64_t, 2>{settings.lower_limit, settings.upper_limit});
   objects.add(object::kProfileSpeed, speed);
   objects.add(object::kAcceleration, ramp);

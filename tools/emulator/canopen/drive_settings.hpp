@@ -14,10 +14,10 @@ enum class DriveLimitRule : std::uint8_t {
   Refuse,  ///< aborts the SDO; from a PDO it is ignored
 };
 
-/// What a drive knows of its place when it gets power.
-enum class DriveMemory : std::uint8_t {
-  Absolute,     ///< counts as before
-  Incremental,  ///< counts from 0 where it stands, until it is homed
+/// How long bit 12 of the statusword says "homing attained" in homing mode.
+enum class DriveHomedBit : std::uint8_t {
+  WhileTrue,    ///< as long as the drive knows where it stands
+  UntilLeaving  ///< until another mode is set
 };
 
 /// Whether a host may map objects to PDOs.
@@ -49,8 +49,10 @@ struct DriveSettings {
   long switch_margin = 1138;  ///< from a software limit to its limit switch
   long stop_margin = 2276;    ///< from a software limit to the mechanical stop
   long index_pulse = 0;       ///< where one of the encoder's index pulses is, the others a motor turn apart
+  long home_offset = 0;       ///< 607Ch at power-up: the position of home
   long start = 0;             ///< where the axis stands at the beginning
   DriveMemory memory = DriveMemory::Absolute;
+  DriveHomedBit homed_bit = DriveHomedBit::WhileTrue;
   DriveLimitRule limit_rule = DriveLimitRule::Clamp;
 
   std::uint32_t max_speed = 341'333;  ///< 300 deg/s; the highest that 6081h takes

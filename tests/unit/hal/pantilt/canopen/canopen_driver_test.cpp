@@ -153,6 +153,7 @@ TEST(Canopen, HaltsBothAxes) {
 TEST(Canopen, HomesWhenToldTo) {
   hal::CanopenConfig config = CanopenBench::defaults();
   config.homing = hal::CanopenHoming::Always;
+  config.pan.homing_method = config.tilt.homing_method = 37;
   CanopenBench bench(config);
   bench.run(1500);
   ASSERT_EQ(bench.driver->state(), DeviceState::Ready) << bench.driver->problem();
@@ -163,6 +164,33 @@ TEST(Canopen, HomesWhenToldTo) {
                                           can_frame(0x601, {0x2B, 0x40, 0x60, 0, 0x0F, 0, 0, 0}),
                                           can_frame(0x601, {0x2F, 0x60, 0x60, 0, 1, 0, 0, 0})};
   EXPECT_NE(std::search(writes.begin(), writes.end(), homing.begin(), homing.end()), writes.end());
+}
+
+TEST(Canopen, ADriveThatIsNotHomedIsRefusedWhereNoMethodIsGiven) {
+  hal::CanopenConfig config = CanopenBench::defaults();
+  config.homing = hal::CanopenHoming::IfNotHomed;
+  CanopenBench bench(config);
+  bench.run(1500);
+  EXPECT_EQ(bench.driver->state(), DeviceState::Faulted);
+  EXPECT_NE(bench.driver->problem().find("is not homed"), std::string_view::npos) << bench.driver->problem();
+}
+
+TEST(Canopen, ZeroTakenFromWhereAnAxisStandsIsNotTakenAnewAfterALoss) {
+  hal::CanopenConfig config = CanopenBench::defaults();
+  config.homing = hal::CanopenHoming::IfNotHomed;
+  config.pan.homing_method = 37;
+  config.tilt.homing_method = 35;
+  CanopenBench bench(config);
+  bench.run(1500);
+  ASSERT_EQ(bench.driver->state(), DeviceState::Ready) << bench.driver->problem();
+  bench.pan.writes.clear();
+  bench.link.deliver(can_frame(0x701, {0x00}));
+  bench.run(3000);
+  EXPECT_EQ(bench.driver->state(), DeviceState::Faulted);
+  EXPECT_NE(bench.driver->problem().find("lost its zero"), std::string_view::npos) << bench.driver->problem();
+  for (const hal::CanFrame& write : bench.pan.writes) {
+    EXPECT_FALSE(write.data[1] == 0x98 && write.data[2] == 0x60) << "homed anew";
+  }
 }
 
 TEST(Canopen, RefusesWhatIsNoDriveAndResetsAFault) {

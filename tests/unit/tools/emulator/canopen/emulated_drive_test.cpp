@@ -182,6 +182,33 @@ TEST(EmulatedDrive, FindsHome) {
   }
 }
 
+TEST(EmulatedDrive, SaysThatItIsHomedAsLongAsItsSettingsSay) {
+  struct Case {
+    DriveMemory memory;
+    DriveHomedBit bit;
+    bool at_first;
+    bool after_homing;
+  };
+  for (const Case& drive : {Case{DriveMemory::Absolute, DriveHomedBit::WhileTrue, true, true},
+                            Case{DriveMemory::Absolute, DriveHomedBit::UntilLeaving, false, false},
+                            Case{DriveMemory::Incremental, DriveHomedBit::WhileTrue, false, true},
+                            Case{DriveMemory::Incremental, DriveHomedBit::UntilLeaving, false, false}}) {
+    DriveSettings settings = DriveRig::ready();
+    settings.memory = drive.memory;
+    settings.homed_bit = drive.bit;
+    DriveRig rig(settings);
+    rig.ask("601 2F 60 60 00 06 00 00 00");
+    enable(rig);
+    EXPECT_EQ(rig.ask(kStatus), status(drive.at_first ? "37 16" : "37 06"));
+    rig.ask("601 2F 98 60 00 25 00 00 00");
+    rig.ask(word("1F 00"), 1s);
+    EXPECT_EQ(rig.ask(kStatus), status("37 16"));
+    rig.ask("601 2F 60 60 00 01 00 00 00");
+    rig.ask("601 2F 60 60 00 06 00 00 00");
+    EXPECT_EQ(rig.ask(kStatus), status(drive.after_homing ? "37 16" : "37 06"));
+  }
+}
+
 TEST(EmulatedDrive, FailsAndRecovers) {
   DriveRig rig(DriveRig::ready());
   rig.ask("601 2F 60 60 00 03 00 00 00");
