@@ -4,6 +4,7 @@
 #include "core/localizer.hpp"
 #include "firmware/config/load_config.hpp"
 #include "tests/support/in_arena.hpp"
+#include "tests/support/source_tree.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/eval/evaluation_report.hpp"
 #include "tools/input/tum.hpp"
@@ -27,11 +28,11 @@ namespace {
 
 std::filesystem::path data_folder() {
   const char* const folder = std::getenv("SLAMSENSOR_DATA");
-  return folder != nullptr ? folder : std::filesystem::path(SLAMSENSOR_CONFIG_DIR) / "../../shared/data";
+  return folder != nullptr ? folder : tests::source_tree() / "../shared/data";
 }
 
 firmware::Config profile(const std::string& name) {
-  auto loaded = firmware::load_config(std::filesystem::path(SLAMSENSOR_CONFIG_DIR) / name);
+  auto loaded = firmware::load_config(tests::source_tree() / "config" / name);
   EXPECT_TRUE(loaded) << firmware::error_lines(loaded.error());
   return loaded ? loaded->config : firmware::Config{};
 }

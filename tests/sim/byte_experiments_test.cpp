@@ -5,6 +5,7 @@
 
 #include "firmware/config/load_config.hpp"
 #include "firmware/pipeline.hpp"
+#include "tests/support/source_tree.hpp"
 #include "tools/drive/byte_drive.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/world/sweep.hpp"
@@ -20,7 +21,7 @@
 namespace slamsensor::tools {
 namespace {
 
-const std::filesystem::path kConfigDir = SLAMSENSOR_CONFIG_DIR;
+const std::filesystem::path kConfigDir = tests::source_tree() / "config";
 constexpr double kMilliDegrees = 1000.0 / core::kDegree;
 
 std::uint32_t scan_count() {

@@ -3,6 +3,7 @@
 
 #include "firmware/config/load_config.hpp"
 #include "firmware/pipeline.hpp"
+#include "tests/support/source_tree.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/world/drive.hpp"
 #include "tools/world/sweep.hpp"
@@ -22,7 +23,7 @@
 namespace slamsensor::tools {
 namespace {
 
-const std::filesystem::path kConfigDir = SLAMSENSOR_CONFIG_DIR;
+const std::filesystem::path kConfigDir = tests::source_tree() / "config";
 
 std::uint64_t seed_count() {
   const char* const count = std::getenv("SLAMSENSOR_SIM_SEEDS");

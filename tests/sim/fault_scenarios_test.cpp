@@ -3,6 +3,7 @@
 // have been delivered that the device did not make. SLAMSENSOR_FAULT_SEEDS says how many scenarios (default
 // 300: some 90 s of one processor), SLAMSENSOR_FAULT_FIRST the seed of the first (default 1).
 
+#include "tests/support/source_tree.hpp"
 #include "tools/drive/head_drivers.hpp"
 #include "tools/emulator/fault_fit.hpp"
 #include "tools/emulator/scenario.hpp"
@@ -241,7 +242,7 @@ class FaultyRun {
 };
 
 TEST(FaultScenarios, EndAtWorkWithoutAFalseReading) {
-  const auto world = load_world(std::filesystem::path(SLAMSENSOR_CONFIG_DIR) / "worlds" / "bush.toml");
+  const auto world = load_world(tests::source_tree() / "config/worlds/bush.toml");
   ASSERT_TRUE(world) << world.error().message;
   std::map<std::string, int> faults;
   Outcome all;

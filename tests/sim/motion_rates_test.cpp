@@ -3,6 +3,7 @@
 // says how many scans of each kind in each world (default 6; 100 for the table).
 
 #include "firmware/scan/motion_detector.hpp"
+#include "tests/support/source_tree.hpp"
 #include "tools/world/drive.hpp"
 #include "tools/world/random.hpp"
 #include "tools/world/sweep.hpp"
@@ -56,7 +57,7 @@ Head fast_head() {
 
 /// A world by its name, for a seed.
 WorldConfig world_config(const std::string& name, std::uint64_t seed) {
-  const std::filesystem::path folder = std::filesystem::path(SLAMSENSOR_CONFIG_DIR) / "worlds";
+  const auto folder = tests::source_tree() / "config/worlds";
   if (std::filesystem::exists(folder / (name + ".toml"))) {
     auto config = load_world(folder / (name + ".toml"));
     EXPECT_TRUE(config) << config.error().message;

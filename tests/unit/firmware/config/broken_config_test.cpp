@@ -4,6 +4,7 @@
 //     SLAMSENSOR_REWRITE_MESSAGES=1 unit_firmware --gtest_filter='BrokenConfig.*'
 
 #include "firmware/config/load_config.hpp"
+#include "tests/support/source_tree.hpp"
 #include "tests/unit/tools/input/temp_folder.hpp"
 
 #include <gmock/gmock.h>
@@ -16,7 +17,7 @@
 namespace slamsensor::firmware {
 namespace {
 
-const std::filesystem::path kBroken = std::filesystem::path(__FILE__).parent_path() / "broken";
+const std::filesystem::path kBroken = tests::source_tree() / "tests/unit/firmware/config/broken";
 constexpr std::string_view kCaseMark = "==== ";
 constexpr std::string_view kDropInMark = "---- ";
 

@@ -2,6 +2,7 @@
 #include "firmware/config/load_config.hpp"
 #include "firmware/config/suggestion.hpp"
 #include "firmware/device/head_drivers.hpp"
+#include "tests/support/source_tree.hpp"
 
 #include <gtest/gtest.h>
 
@@ -41,7 +42,7 @@ std::size_t settings_in(std::string_view section) {
 }
 
 std::filesystem::path profile(const std::string& name) {
-  return std::filesystem::path(__FILE__).parent_path() / "../../../../config" / name;
+  return tests::source_tree() / "config" / name;
 }
 
 LoadedConfig loaded_profile(const std::string& name) {

@@ -1,3 +1,4 @@
+#include "tests/support/source_tree.hpp"
 #include "tests/unit/firmware/lcm/sample_reports.hpp"
 
 #include <gtest/gtest.h>
@@ -60,7 +61,7 @@ class LcmTypes : public testing::Test {
 
   /// What the reader says of the messages written.
   [[nodiscard]] std::string read_by_generated_code() const {
-    const auto types = std::filesystem::path(__FILE__).parent_path() / "../../../../firmware/lcm/types";
+    const auto types = tests::source_tree() / "firmware/lcm/types";
     const std::string generate = "lcm-gen --python --ppath " + (folder_ / "python").string() + " " +
                                  types.string() + "/*.lcm > /dev/null";
     EXPECT_EQ(std::system(generate.c_str()), 0);

@@ -2,6 +2,7 @@
 
 #include "firmware/config/load_config.hpp"
 #include "firmware/scan/scan_plan.hpp"
+#include "tests/support/source_tree.hpp"
 #include "tools/drive/head_drivers.hpp"
 #include "tools/emulator/scenario.hpp"
 
@@ -10,7 +11,7 @@
 namespace slamsensor::tools {
 namespace {
 
-const std::filesystem::path kConfigDir = std::filesystem::path(__FILE__).parent_path() / "../../../../config";
+const std::filesystem::path kConfigDir = tests::source_tree() / "config";
 
 firmware::Config profile(const std::string& file) {
   const auto loaded = firmware::load_config(kConfigDir / file);

@@ -1,5 +1,6 @@
 #include "tools/emulator/scenario.hpp"
 
+#include "tests/support/source_tree.hpp"
 #include "tests/unit/tools/emulator/small_devices.hpp"
 
 #include <gtest/gtest.h>
@@ -136,7 +137,7 @@ TEST_F(ScenarioFile, FaultsOfTheBusNeedAHeadOnTheBus) {
 }
 
 TEST(ShippedScenarios, AreValidAndTheirPlacesAreFree) {
-  const auto folder = std::filesystem::path(__FILE__).parent_path() / "../../../../config/scenarios";
+  const auto folder = tests::source_tree() / "config/scenarios";
   std::size_t count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const auto scenario = load_scenario(entry.path());

@@ -1,5 +1,6 @@
 #include "firmware/scan/sensor_head.hpp"
 #include "tests/support/fake_head.hpp"
+#include "tests/support/source_tree.hpp"
 #include "tools/world/sweep.hpp"
 #include "tools/world/world.hpp"
 #include "tools/world/world_loader.hpp"
@@ -17,7 +18,7 @@ namespace {
 constexpr double kMilliDegree = std::numbers::pi / 180e3;
 
 World bush(std::uint64_t seed) {
-  const auto folder = std::filesystem::path(__FILE__).parent_path() / "../../../../config/worlds";
+  const auto folder = tests::source_tree() / "config/worlds";
   auto config = load_world(folder / "bush.toml");
   EXPECT_TRUE(config.has_value()) << config.error().message;
   config->seed = seed;

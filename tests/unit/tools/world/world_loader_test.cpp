@@ -1,5 +1,6 @@
 #include "tools/world/world_loader.hpp"
 
+#include "tests/support/source_tree.hpp"
 #include "tools/world/stems_csv.hpp"
 #include "tools/world/world.hpp"
 
@@ -97,7 +98,7 @@ TEST(WorldLoader, StemsAreLookedForBesideTheWorld) {
 }
 
 TEST(WorldLoader, EveryWorldThatIsShippedLoadsAndFindsRoom) {
-  const auto folder = std::filesystem::path(__FILE__).parent_path() / "../../../../config/worlds";
+  const auto folder = tests::source_tree() / "config/worlds";
   int worlds = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const auto config = load_world(entry.path());
