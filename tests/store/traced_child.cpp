@@ -22,15 +22,28 @@ namespace {
 
 using SyscallInfo = __ptrace_syscall_info;
 
-/// The C string at `address` of the process, as far as its page goes; empty when it cannot be read.
+/// The C string at `address` of the process; what cannot be read of it is left out. The heap moves from run
+/// to run, so a string may go on in the next page.
 std::string text_at(pid_t process, std::uint64_t address) {
   constexpr std::uint64_t kPage = 4096;
-  std::array<char, kPage> bytes{};
-  iovec local{bytes.data(), static_cast<std::size_t>(kPage - address % kPage)};
-  iovec remote{reinterpret_cast<void*>(address), local.iov_len};  // NOLINT: an address of another process
-  const ssize_t count = ::process_vm_readv(process, &local, 1, &remote, 1, 0);
-  return count <= 0 ? ""
-                    : std::string(bytes.data(), ::strnlen(bytes.data(), static_cast<std::size_t>(count)));
+  std::string text;
+  while (text.size() < kPage) {
+    const std::uint64_t from = address + text.size();
+    std::array<char, kPage> bytes{};
+    iovec local{bytes.data(), static_cast<std::size_t>(kPage - from % kPage)};
+    iovec remote{reinterpret_cast<void*>(from), local.iov_len};  // NOLINT: an address of another process
+    const ssize_t count = ::process_vm_readv(process, &local, 1, &remote, 1, 0);
+    if (count <= 0) {
+      break;
+    }
+    const auto size = static_cast<std::size_t>(count);
+    const std::size_t length = ::strnlen(bytes.data(), size);
+    text.append(bytes.data(), length);
+    if (length < size) {
+      break;
+    }
+  }
+  return text;
 }
 
 std::string file_at(pid_t process, std::uint64_t address) {
