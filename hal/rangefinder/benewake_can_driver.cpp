@@ -25,6 +25,7 @@ class CanLine final : public DeviceLine {
   [[nodiscard]] bool is_up() const noexcept override { return link_.is_up(); }
   [[nodiscard]] std::uint32_t epoch() const noexcept override { return link_.epoch(); }
   void next_rate() noexcept override {}
+  void keep_rate() noexcept override {}
 
   [[nodiscard]] LinkStatus send(std::span<const std::uint8_t> bytes) noexcept override {
     CanFrame frame{.id = config_.host_id, .extended = config_.host_id_is_extended};

@@ -23,8 +23,12 @@ class DeviceLine {
   [[nodiscard]] virtual LinkStatus send(std::span<const std::uint8_t> bytes) noexcept = 0;
 
   /// Goes on to the next of the line rates at which the device may be, from the last to the first; does
-  /// nothing on a line that has one.
+  /// nothing on a line that has one. A rate that was kept comes before each of the others: what was lost is
+  /// more often an answer than the rate.
   virtual void next_rate() noexcept = 0;
+
+  /// The device is at work at the present rate.
+  virtual void keep_rate() noexcept = 0;
 };
 
 }  // namespace slamsensor::hal

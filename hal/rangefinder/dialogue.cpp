@@ -158,6 +158,7 @@ void Dialogue::fault(Stamp now, std::string_view problem) noexcept {
 
 void Dialogue::run(Stamp now) noexcept {
   phase_ = Phase::Running;
+  line_.keep_rate();
   faulted_ = false;
   last_heard_ = now;
   running_since_ = now;

@@ -27,11 +27,21 @@ void SerialDeviceLine::service(Stamp now) noexcept {
 }
 
 void SerialDeviceLine::next_rate() noexcept {
-  rate_ = (rate_ + 1) % rates_.size();
-  if (rates_[rate_] == 0) {
-    rate_ = 0;
+  if (kept_ && rate_ != *kept_) {
+    other_ = rate_;
+    rate_ = *kept_;
+  } else {
+    rate_ = after(kept_ ? other_ : rate_);
+    if (kept_ && rate_ == *kept_) {
+      rate_ = after(rate_);
+    }
   }
   apply_rate();
+}
+
+std::size_t SerialDeviceLine::after(std::size_t rate) const noexcept {
+  const std::size_t next = (rate + 1) % rates_.size();
+  return rates_[next] == 0 ? 0 : next;
 }
 
 void SerialDeviceLine::set_baud(std::uint32_t baud) noexcept {

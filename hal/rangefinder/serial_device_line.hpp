@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 namespace slamsensor::hal {
@@ -28,6 +29,7 @@ class SerialDeviceLine final : public DeviceLine {
     return link_.write(bytes);
   }
   void next_rate() noexcept override;
+  void keep_rate() noexcept override { kept_ = rate_; }
 
   /// Takes bytes that have arrived, at most a step's share; empty when there are none or the share is used
   /// up. The bytes live until the next read.
@@ -54,10 +56,13 @@ class SerialDeviceLine final : public DeviceLine {
   static constexpr std::size_t kBytesPerStep = 4096;  // 40 ms of the fastest usual line
 
   void apply_rate() noexcept;
+  [[nodiscard]] std::size_t after(std::size_t rate) const noexcept;
 
   ByteLink& link_;
   LineRates rates_;
   std::size_t rate_ = 0;
+  std::size_t other_ = 0;            // the last one tried that was not kept
+  std::optional<std::size_t> kept_;  // at which the device was last at work
   std::size_t read_in_step_ = 0;
   ArrivalLog log_;
   std::array<std::uint8_t, kChunk> chunk_{};

@@ -44,6 +44,29 @@ TEST(LwnxDriver, FindsTheLineRate) {
   EXPECT_EQ(bench.counter("line_rates_tried"), 2u);
 }
 
+TEST(LwnxDriver, AfterASilenceTheLineRateThatWorkedIsTriedBetweenTheOthers) {
+  RangeBench bench;
+  LightWare device;
+  connect(bench, device, config_at(388.0));
+  ASSERT_TRUE(bench.run_until_ready(3000));
+  // However long it was away: never more than the tries at one other rate.
+  for (const int silence_ms : {1500, 2200, 2900, 3600, 4300, 9000}) {
+    SCOPED_TRACE(silence_ms);
+    device.is_dead = true;
+    bench.run(silence_ms);
+    device.is_dead = false;
+    device.streams = false;
+    EXPECT_TRUE(bench.run_until_ready(1500)) << bench.driver->problem();
+    bench.run(6000);
+  }
+  // And all the others are still found.
+  bench.device_baud = 460800;
+  device.streams = false;
+  bench.run(1000);
+  EXPECT_TRUE(bench.run_until_ready(20'000)) << bench.driver->problem();
+  EXPECT_EQ(bench.link.baud(), 460800u);
+}
+
 TEST(LwnxDriver, ChangesTheLineRateForGoodWhenToldTo) {
   RangeBench bench;
   LightWare device;
