@@ -22,6 +22,8 @@ except PermissionError:
     sys.exit(ctypes.CDLL(None).mlockall(3) == 0)
 sys.exit(1)
 """
+# A sanitizer's mlockall() does nothing, and says that it did.
+MEMORY_TOLD = [] if os.environ.get("SLAMSENSOR_SANITIZED") else ["memory cannot be locked"]
 OK, USAGE, UNAVAILABLE, NOPERM, CONFIG = 0, 64, 69, 77, 78
 
 
@@ -202,12 +204,13 @@ class Degraded(unittest.TestCase):
         self.sensor.start({"realtime.mode": "optional"}, prefix=self.without_rights())
         self.assertFalse(self.sensor.wait_fix()["realtime"])
         log = self.sensor.log()
-        for part in ("memory cannot be locked", "no right to SCHED_FIFO", "running without real-time rights"):
+        for part in ("no right to SCHED_FIFO", "running without real-time rights", *MEMORY_TOLD):
             self.assertIn(part, log)
         self.ends()
 
     def test_required_real_time_is_refused_without_rights(self):
-        self.refuses(NOPERM, "LimitMEMLOCK", settings={"realtime.mode": "required"}, prefix=self.without_rights())
+        limit = "LimitMEMLOCK" if MEMORY_TOLD else "LimitRTPRIO"
+        self.refuses(NOPERM, limit, settings={"realtime.mode": "required"}, prefix=self.without_rights())
 
     def test_wrong_words_on_the_command_line(self):
         for words in (["--fly"], ["--set", "nmea.rate_hz"], ["surplus"]):
