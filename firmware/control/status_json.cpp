@@ -59,7 +59,7 @@ void write_devices(JsonWriter& json, const SensorStatus& status) {
   json.begin_object();
   for (const NamedDevice& device : devices_of(status)) {
     json.key(device.key).begin_object();
-    json.member("state", to_string(device.status->state)).member("problem", device.status->problem);
+    json.member("state", to_string(device.status->state)).member("problem", device.status->problem.view());
     json.member("model", device.status->model.view()).member("recoveries", device.status->recoveries);
     write_seconds(json, "last_recovery_s", device.status->last_recovery);
     json.end_object();
@@ -81,7 +81,7 @@ void write_counters(JsonWriter& json, const SensorStatus& status) {
 
 void write_head(JsonWriter& json, const HeadStatus& head) {
   json.begin_object();
-  json.member("phase", head.phase).member("problem", head.problem).member("held", head.held);
+  json.member("phase", head.phase).member("problem", head.problem.view()).member("held", head.held);
   json.member("scan", head.scan).member("line", head.line).member("lines", head.lines);
   json.member("pan_rad", head.pan_rad).member("tilt_rad", head.tilt_rad);
   json.member("latency_s", head.latency_s).member("latency_sigma_s", head.latency_sigma_s);

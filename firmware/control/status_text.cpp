@@ -30,8 +30,8 @@ std::string device_text(const DeviceStatus& device) {
   if (!device.model.view().empty()) {
     text += ", " + std::string(device.model.view());
   }
-  if (!device.problem.empty()) {
-    text += ": " + std::string(device.problem);
+  if (!device.problem.view().empty()) {
+    text += ": " + std::string(device.problem.view());
   }
   if (device.recoveries > 0) {
     text += "; recovered " + std::to_string(device.recoveries) + " times, the last within " +
@@ -58,7 +58,7 @@ std::string scan_text(const HeadStatus& head) {
   if (head.held) {
     text += ", held";
   }
-  return head.problem.empty() ? text : text + ": " + std::string(head.problem);
+  return head.problem.view().empty() ? text : text + ": " + std::string(head.problem.view());
 }
 
 std::string slam_text(const SlamStatus& slam) {

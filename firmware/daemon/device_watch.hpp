@@ -26,7 +26,7 @@ class DeviceWatch {
   /// Fills in what is known of `device`, whose state was the last one given.
   void report(const hal::Device& device, DeviceStatus& status) const noexcept {
     status.state = device.state();
-    status.problem = device.problem();
+    status.problem = ProblemText(device.problem());
     status.recoveries = recoveries_;
     status.last_recovery = last_recovery_;
     status.counters.size = 0;

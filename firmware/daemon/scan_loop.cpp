@@ -114,7 +114,7 @@ void ScanLoop::report(hal::Stamp now, const PeriodicTimer& timer) noexcept {
   rangefinder_watch_.report(head_.rangefinder(), status.rangefinder);
   status.rangefinder.model = text80(head_.rangefinder().info().product);
   status.phase = phase_of(head.scheduler());
-  status.problem = head.problem();
+  status.problem = ProblemText(head.problem());
   status.held = head.scheduler().held().has_value();
   status.scan = scan_;
   status.line = head.scheduler().line();

@@ -43,6 +43,7 @@ class RecordingByteLink final : public hal::ByteLink {
   void service(hal::Stamp now) noexcept override;
   [[nodiscard]] std::uint32_t epoch() const noexcept override { return inner_.epoch(); }
   [[nodiscard]] bool is_up() const noexcept override { return inner_.is_up(); }
+  [[nodiscard]] std::string_view problem() const noexcept override { return inner_.problem(); }
   [[nodiscard]] hal::ByteRead read(std::span<std::uint8_t> into) noexcept override;
   [[nodiscard]] hal::LinkStatus write(std::span<const std::uint8_t> bytes) noexcept override;
   hal::LinkStatus set_baud(std::uint32_t baud) noexcept override;
@@ -66,6 +67,7 @@ class RecordingCanLink final : public hal::CanLink {
   void service(hal::Stamp now) noexcept override;
   [[nodiscard]] std::uint32_t epoch() const noexcept override { return inner_.epoch(); }
   [[nodiscard]] bool is_up() const noexcept override { return inner_.is_up(); }
+  [[nodiscard]] std::string_view problem() const noexcept override { return inner_.problem(); }
   [[nodiscard]] hal::CanRead receive() noexcept override;
   [[nodiscard]] hal::LinkStatus send(const hal::CanFrame& frame) noexcept override;
 

@@ -19,8 +19,8 @@ constexpr std::array<std::string_view, kScanAborts> kAborts = {
 
 // In the order of HoldReason.
 constexpr std::array<std::string_view, kHoldReasons> kHolds = {
-    "held: the laser interlock is open or cannot be read; close it to scan",
-    "held: paused on command; resume to scan",
+    "the laser interlock is open or cannot be read; close it to scan",
+    "paused on command; resume to scan",
 };
 
 }  // namespace

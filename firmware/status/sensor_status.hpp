@@ -5,6 +5,7 @@
 #include "hal/device.hpp"
 #include "hal/fixed_text.hpp"
 #include "hal/stamp.hpp"
+#include "hal/transport/reopen_problem.hpp"
 
 #include <array>
 #include <cstddef>
@@ -45,9 +46,11 @@ struct CounterTable {
   }
 };
 
+using ProblemText = hal::FixedText<hal::kProblemMax>;
+
 struct DeviceStatus {
   hal::DeviceState state = hal::DeviceState::Absent;
-  std::string_view problem;      ///< of the driver; lives as long as the program
+  ProblemText problem;           ///< of the driver or its link; empty when it works
   hal::FixedText<80> model;      ///< as the device said; empty before it did
   std::uint32_t recoveries = 0;  ///< times it got Ready again after it had been
   hal::Stamp last_recovery{};    ///< how long the last of them took, from the loss
@@ -60,7 +63,7 @@ struct HeadStatus {
   DeviceStatus pan_tilt;
   DeviceStatus rangefinder;
   std::string_view phase = "waiting";  ///< waiting, calibrating, scanning
-  std::string_view problem;            ///< what keeps it from scanning; empty when nothing does
+  ProblemText problem;                 ///< what keeps it from scanning; empty when nothing does
   bool held = false;                   ///< interlock open or paused on command
   std::uint32_t scan = 0;              ///< number of the scan under way or next
   std::uint32_t line = 0;              ///< of it

@@ -51,10 +51,10 @@ std::string fix_clause(const SensorStatus& status) {
 
 std::string device_phrase(const NamedDevice& device) {
   std::string text(device.title);
-  if (device.status->problem.empty()) {
+  if (device.status->problem.view().empty()) {
     return text + ' ' + std::string(to_string(device.status->state));
   }
-  return text + ": " + std::string(device.status->problem);
+  return text + ": " + std::string(device.status->problem.view());
 }
 
 std::string map_phrase(const SensorStatus& status) {
@@ -80,8 +80,8 @@ std::string status_line(const SensorStatus& status) {
   for (const NamedDevice& device : devices_of(status)) {
     text += "; " + device_phrase(device);
   }
-  if (!status.head.problem.empty()) {
-    text += "; " + std::string(status.head.problem);
+  if (const std::string_view problem = head_problem(status); !problem.empty()) {
+    text += "; " + std::string(problem);
   }
   return plain_text(text);
 }

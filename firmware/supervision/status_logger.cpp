@@ -38,6 +38,7 @@ void StatusLogger::compare_device(std::size_t index, const SensorStatus& status,
   Device& before = devices_[index];
   const NamedDevice device = devices_of(status)[index];
   const DeviceStatus& now = *device.status;
+  const std::string_view problem = now.problem.view();
   const std::string title(device.title);
   const bool is_ready = now.state == hal::DeviceState::Ready;
   const bool was_ready = before.state == hal::DeviceState::Ready;
@@ -46,25 +47,26 @@ void StatusLogger::compare_device(std::size_t index, const SensorStatus& status,
                                              ? title + " recovered after " + seconds(now.last_recovery)
                                              : title + " ready: " + std::string(now.model.view())});
   } else if (!is_ready && was_ready) {
-    entries.push_back({LogLevel::Warning, with_problem(title + " lost", now.problem)});
-  } else if (now.problem != before.problem && !now.problem.empty()) {
-    entries.push_back({LogLevel::Warning, with_problem(title, now.problem)});
+    entries.push_back({LogLevel::Warning, with_problem(title + " lost", problem)});
+  } else if (problem != before.problem && !problem.empty()) {
+    entries.push_back({LogLevel::Warning, with_problem(title, problem)});
   }
   before.was_ready = before.was_ready || is_ready;
   before.state = now.state;
-  before.problem = now.problem;
+  before.problem = problem;
 }
 
 void StatusLogger::compare_head(const SensorStatus& status, std::vector<LogEntry>& entries) {
   const HeadStatus& head = status.head;
+  const std::string_view problem = head_problem(status);
   if (head.held != is_held_) {
-    entries.push_back(head.held ? LogEntry{LogLevel::Notice, with_problem("scanning is held", head.problem)}
+    entries.push_back(head.held ? LogEntry{LogLevel::Notice, with_problem("scanning is held", problem)}
                                 : LogEntry{LogLevel::Notice, "scanning goes on"});
-  } else if (head.problem != head_problem_ && !head.problem.empty() && !head.held) {
-    entries.push_back({LogLevel::Warning, with_problem("no scanning", head.problem)});
+  } else if (problem != head_problem_ && !problem.empty() && !head.held) {
+    entries.push_back({LogLevel::Warning, with_problem("no scanning", problem)});
   }
   is_held_ = head.held;
-  head_problem_ = head.problem;
+  head_problem_ = problem;
 }
 
 void StatusLogger::compare_fix(const SensorStatus& status, std::vector<LogEntry>& entries) {

@@ -37,6 +37,17 @@ struct NamedDevice {
            {"rangefinder", "rangefinder", &status.head.rangefinder}}};
 }
 
+/// What keeps the head from scanning, if it is not what a device says of itself.
+[[nodiscard]] inline std::string_view head_problem(const SensorStatus& status) noexcept {
+  const std::string_view problem = status.head.problem.view();
+  for (const NamedDevice& device : devices_of(status)) {
+    if (device.status->problem.view() == problem) {
+      return {};
+    }
+  }
+  return problem;
+}
+
 struct NamedCounters {
   std::string_view key;
   const CounterTable* table;

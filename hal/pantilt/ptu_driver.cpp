@@ -46,7 +46,10 @@ std::string_view PtuDriver::problem() const noexcept {
   if (state_ == DeviceState::Ready) {
     return {};
   }
-  return state_ == DeviceState::Absent ? kLineDown : startup_.problem();
+  if (state_ == DeviceState::Absent) {
+    return link_.problem().empty() ? kLineDown : link_.problem();
+  }
+  return startup_.problem();
 }
 
 MoveStatus PtuDriver::move(Axis axis, double target_rad, double speed_radps) noexcept {

@@ -23,6 +23,7 @@ class CanLine final : public DeviceLine {
 
   void service(Stamp now) noexcept override { link_.service(now); }
   [[nodiscard]] bool is_up() const noexcept override { return link_.is_up(); }
+  [[nodiscard]] std::string_view problem() const noexcept override { return link_.problem(); }
   [[nodiscard]] std::uint32_t epoch() const noexcept override { return link_.epoch(); }
   void next_rate() noexcept override {}
   void keep_rate() noexcept override {}

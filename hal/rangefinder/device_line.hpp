@@ -17,6 +17,7 @@ class DeviceLine {
 
   virtual void service(Stamp now) noexcept = 0;
   [[nodiscard]] virtual bool is_up() const noexcept = 0;
+  [[nodiscard]] virtual std::string_view problem() const noexcept = 0;
   [[nodiscard]] virtual std::uint32_t epoch() const noexcept = 0;
 
   /// Sends a request whole (Ok) or not at all.

@@ -223,7 +223,10 @@ std::string_view Dialogue::problem() const noexcept {
   if (phase_ == Phase::Running) {
     return {};
   }
-  return phase_ == Phase::Absent ? kLinkDown : problem_;
+  if (phase_ == Phase::Absent) {
+    return line_.problem().empty() ? kLinkDown : line_.problem();
+  }
+  return problem_;
 }
 
 }  // namespace slamsensor::hal

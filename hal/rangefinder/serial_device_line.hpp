@@ -24,6 +24,7 @@ class SerialDeviceLine final : public DeviceLine {
 
   void service(Stamp now) noexcept override;
   [[nodiscard]] bool is_up() const noexcept override { return link_.is_up(); }
+  [[nodiscard]] std::string_view problem() const noexcept override { return link_.problem(); }
   [[nodiscard]] std::uint32_t epoch() const noexcept override { return link_.epoch(); }
   [[nodiscard]] LinkStatus send(std::span<const std::uint8_t> bytes) noexcept override {
     return link_.write(bytes);

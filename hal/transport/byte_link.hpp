@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 namespace slamsensor::hal {
 
@@ -36,6 +37,10 @@ class ByteLink {
   [[nodiscard]] virtual std::uint32_t epoch() const noexcept = 0;
 
   [[nodiscard]] virtual bool is_up() const noexcept = 0;
+
+  /// What keeps it down and what to do, for a person; empty when it is up or nothing is known. Valid until
+  /// the next call of service().
+  [[nodiscard]] virtual std::string_view problem() const noexcept { return {}; }
 
   /// Takes the oldest bytes that have arrived, at most into.size(). Ok means count > 0.
   [[nodiscard]] virtual ByteRead read(std::span<std::uint8_t> into) noexcept = 0;

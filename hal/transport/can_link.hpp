@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 namespace slamsensor::hal {
 
@@ -43,6 +44,9 @@ class CanLink {
   [[nodiscard]] virtual std::uint32_t epoch() const noexcept = 0;
 
   [[nodiscard]] virtual bool is_up() const noexcept = 0;
+
+  /// See ByteLink::problem.
+  [[nodiscard]] virtual std::string_view problem() const noexcept { return {}; }
 
   /// Takes the oldest frame that passed the filters.
   [[nodiscard]] virtual CanRead receive() noexcept = 0;

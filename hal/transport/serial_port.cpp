@@ -109,10 +109,14 @@ void SerialPort::open(Stamp now) noexcept {
   timer_.opened(now);
 }
 
-/// Makes the terminal `fd`, which is locked, this program's own raw line.
+/// Makes the terminal `fd`, which is locked, this program's own raw line. A pseudo-terminal keeps the mark of
+/// exclusive use after its owner was killed, as long as its other end lives, and only root could open it
+/// again: there the lock alone must do.
 std::optional<OpenFailure> SerialPort::prepare(int fd) noexcept {
-  if (const int error = set_exclusive(fd, Exclusive::On); error != 0) {
-    return OpenFailure{"exclusive use", error, {}};
+  if (!is_pseudo_terminal(fd)) {
+    if (const int error = set_exclusive(fd, Exclusive::On); error != 0) {
+      return OpenFailure{"exclusive use", error, {}};
+    }
   }
   const LineResult line = make_raw(fd, {baud_, config_.line.format});
   if (line.status == LineStatus::Failed) {

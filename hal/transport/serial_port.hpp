@@ -62,7 +62,7 @@ class SerialPort final : public ByteLink {
 
   /// Why the port is down and what to do, for a person; empty when it is up. Lives until the next call of a
   /// function that is not const.
-  [[nodiscard]] std::string_view problem() const noexcept { return problem_.view(); }
+  [[nodiscard]] std::string_view problem() const noexcept override { return problem_.view(); }
 
   [[nodiscard]] std::span<const Counter> counters() const noexcept { return counters_.all(); }
 

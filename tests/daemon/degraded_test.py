@@ -64,7 +64,7 @@ class Degraded(unittest.TestCase):
         self.assertEqual(reader.of_kind("RMC")[2], "V")
         self.assertEqual(reader.of_kind("PSLMA")[3], "V")
         manager = self.sensor.manager
-        whole = "STATUS=starting, .*pan-tilt: .*serial line is down.*; rangefinder: .*link is down"
+        whole = "STATUS=starting, .*pan-tilt: serial port .*/ptu: open: No such file.*; rangefinder: serial port .*/finder: open: No "
         wait_for(lambda: re.match(whole, manager.last("STATUS=")),
                  lambda: "a status text, not " + manager.last("STATUS="))
         self.assertEqual(manager.times("READY=1"), [])

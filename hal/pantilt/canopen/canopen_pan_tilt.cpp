@@ -43,7 +43,7 @@ std::string_view CanopenPanTilt::problem() const noexcept {
     return {};
   }
   if (state_ == DeviceState::Absent) {
-    return kBusDown;
+    return link_.problem().empty() ? kBusDown : link_.problem();
   }
   // The axis in the worse state is the one to look at first.
   const bool tilt_first = pan_.state() == DeviceState::Ready ||

@@ -109,10 +109,10 @@ TEST(LcmStatus, BringsStateDevicesAndMap) {
   EXPECT_TRUE(message->held && message->realtime && message->map_frozen && message->map_unsaved);
   EXPECT_FALSE(message->recording);
   EXPECT_EQ(text_of(message->phase), "scanning");
-  EXPECT_EQ(text_of(message->problem), status.head.problem);
+  EXPECT_EQ(text_of(message->problem), status.head.problem.view());
   EXPECT_EQ(text_of(message->device_model[0]), "PTU-46-17.5");
   EXPECT_EQ(text_of(message->device_problem[0]), "");
-  EXPECT_EQ(text_of(message->device_problem[1]), status.head.rangefinder.problem);
+  EXPECT_EQ(text_of(message->device_problem[1]), status.head.rangefinder.problem.view());
   EXPECT_EQ(message->device_state, (std::array<std::int8_t, 2>{2, 1}));
   EXPECT_EQ(message->device_recoveries[0], 2);
   EXPECT_EQ(message->device_last_recovery_ns[0], 1'234'000'000);

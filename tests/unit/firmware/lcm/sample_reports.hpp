@@ -53,9 +53,9 @@ inline firmware::SensorStatus sample_status() {
   head.pan_tilt.last_recovery = std::chrono::milliseconds(1234);
   head.pan_tilt.counters.append(kSampleCounters);
   head.rangefinder.state = hal::DeviceState::Starting;
-  head.rangefinder.problem = "no reply at 115200 baud; check cable and power";
+  head.rangefinder.problem = firmware::ProblemText("no reply at 115200 baud; check cable and power");
   head.phase = "scanning";
-  head.problem = "waiting for the rangefinder";
+  head.problem = firmware::ProblemText("waiting for the rangefinder");
   head.held = true;
   head.scan = 12;
   head.line = 5;

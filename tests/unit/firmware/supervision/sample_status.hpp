@@ -27,7 +27,7 @@ inline SensorStatus fixed_status() {
   status.head.pan_tilt.recoveries = 2;
   status.head.pan_tilt.last_recovery = std::chrono::milliseconds(350);
   status.head.pan_tilt.counters.append(kCounters);
-  status.head.rangefinder.problem = "no reply at 9600 baud; check cable";
+  status.head.rangefinder.problem = ProblemText("no reply at 9600 baud; check cable");
   status.slam.scans = 42;
   status.slam.fixes = 40;
   status.slam.landmarks = 512;

@@ -24,7 +24,7 @@ TEST(StatusLine, TellsWhyThereIsNone) {
   status.report.fix.reason = core::FixReason::NoOverlap;
   status.slam.frozen = true;
   status.head.rangefinder = {};
-  status.head.problem = "interlock open";
+  status.head.problem = ProblemText("interlock open");
   EXPECT_EQ(status_line(status),
             "lost: nothing here looks like the map, 30 landmarks seen, map 'default' 512 landmarks (frozen); "
             "pan-tilt "

@@ -46,12 +46,12 @@ TEST_F(StatusLoggerTest, TheSameStatusSaysNothingTwice) {
 TEST_F(StatusLoggerTest, ADeviceIsLostAndRecoversOnceEach) {
   begin();
   status.head.rangefinder.state = hal::DeviceState::Absent;
-  status.head.rangefinder.problem = "unplugged";
+  status.head.rangefinder.problem = ProblemText("unplugged");
   EXPECT_THAT(said(), ElementsAre("warning rangefinder lost: unplugged"));
   EXPECT_THAT(said(), IsEmpty());
   status.head.rangefinder.state = hal::DeviceState::Starting;
   EXPECT_THAT(said(), IsEmpty());
-  status.head.rangefinder.problem = "wrong device";
+  status.head.rangefinder.problem = ProblemText("wrong device");
   EXPECT_THAT(said(), ElementsAre("warning rangefinder: wrong device"));
   status.head.rangefinder.state = hal::DeviceState::Ready;
   status.head.rangefinder.problem = {};
@@ -85,12 +85,12 @@ TEST_F(StatusLoggerTest, AFixIsFoundLostAndFoundAgain) {
 TEST_F(StatusLoggerTest, HoldsProblemsJumpsAndModesAreTold) {
   begin();
   status.head.held = true;
-  status.head.problem = "interlock open";
+  status.head.problem = ProblemText("interlock open");
   EXPECT_THAT(said(), ElementsAre("notice scanning is held: interlock open"));
   status.head.held = false;
   status.head.problem = {};
   EXPECT_THAT(said(), ElementsAre("notice scanning goes on"));
-  status.head.problem = "tilt range is beyond the unit's limits";
+  status.head.problem = ProblemText("tilt range is beyond the unit's limits");
   EXPECT_THAT(said(), ElementsAre("warning no scanning: tilt range is beyond the unit's limits"));
   status.report.fix.jumps = 1;
   EXPECT_THAT(said(), ElementsAre(StartsWith("warning the best hypothesis changed")));
