@@ -35,7 +35,7 @@ class Device {
   [[nodiscard]] virtual DeviceState state() const noexcept = 0;
 
   /// What stands in the way, for a person, while the state is not Ready ("no reply at 9600, 38400 or 19200
-  /// baud; check cable and power"); empty when nothing does. Lives as long as the program.
+  /// baud; check cable and power"); empty when nothing does. Valid until the next step().
   [[nodiscard]] virtual std::string_view problem() const noexcept = 0;
 
   /// Counts of everything refused, repeated, lost or out of order; names are unique within the device.

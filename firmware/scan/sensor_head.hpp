@@ -66,7 +66,7 @@ class SensorHead {
   void hold(HoldReason reason) noexcept { scheduler_.hold(reason); }
   void release(HoldReason reason) noexcept { scheduler_.release(reason); }
 
-  /// What keeps it from scanning, for a person; empty when nothing does. Lives as long as the program.
+  /// What keeps it from scanning, for a person; empty when nothing does. Valid until the next step().
   [[nodiscard]] std::string_view problem() const noexcept;
   /// Of the last pass that was aborted; describe() says it in words.
   [[nodiscard]] std::optional<ScanAbort> last_abort() const noexcept { return last_abort_; }
