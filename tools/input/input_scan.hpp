@@ -24,6 +24,7 @@ struct InputScan {
   std::vector<std::vector<core::Reading>> scanlines;  ///< each in the order of the sweep
   std::vector<core::ScanLandmark> landmarks;
   std::size_t points_skipped = 0;  ///< of a cloud: without direction (a coordinate NaN, or all zero)
+  std::string remark;              ///< one line on what of its file was not read; empty when all was
 };
 
 }  // namespace slamsensor::tools

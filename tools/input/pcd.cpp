@@ -19,6 +19,8 @@ namespace {
 
 using Status = tl::expected<void, InputError>;
 
+constexpr std::size_t kPackedSizesBytes = 8;  // two numbers before packed data
+
 // The values of a point that matter; ring is 0 without a ring field.
 struct RawPoint {
   double x_m = 0.0;
@@ -27,18 +29,27 @@ struct RawPoint {
   double ring = 0.0;
 };
 
+// Whether a place is the sensor's own, as it is where nothing came back. The rounding of a float grows with
+// the distance between the sensor and the origin of the cloud's frame.
+bool is_at_sensor(double reach_m, const PcdHeader& header) {
+  constexpr double kFloatRounding = 1e-6;
+  return reach_m <= kFloatRounding * header.T_cloud_L.translation().norm();
+}
+
 // Takes a point into the cloud, or counts it as one without direction. What is wrong with it, if anything.
-std::optional<std::string> take_point(const RawPoint& raw, PointCloud& cloud) {
-  if (std::isnan(raw.x_m) || std::isnan(raw.y_m) || std::isnan(raw.z_m)) {
+std::optional<std::string> take_point(const RawPoint& raw, const PcdHeader& header, PointCloud& cloud) {
+  const Eigen::Vector3d position_cloud(raw.x_m, raw.y_m, raw.z_m);
+  if (position_cloud.hasNaN() || position_cloud.isZero(0.0)) {
     ++cloud.points_skipped;
     return std::nullopt;
   }
-  const double reach_m = std::sqrt(raw.x_m * raw.x_m + raw.y_m * raw.y_m + raw.z_m * raw.z_m);
+  const Eigen::Vector3d position_L = header.T_cloud_L.inverse() * position_cloud;
+  const double reach_m = position_L.norm();
   if (!(reach_m <= kInputReach_m)) {
     return "lies at (" + shown(raw.x_m) + ", " + shown(raw.y_m) + ", " + shown(raw.z_m) + "), beyond " +
-           shown(kInputReach_m) + " m; write NaN where nothing came back";
+           shown(kInputReach_m) + " m from the sensor; write NaN where nothing came back";
   }
-  if (reach_m == 0.0) {
+  if (is_at_sensor(reach_m, header)) {
     ++cloud.points_skipped;
     return std::nullopt;
   }
@@ -46,17 +57,26 @@ std::optional<std::string> take_point(const RawPoint& raw, PointCloud& cloud) {
     return "has ring " + shown(raw.ring) + "; allowed is a whole number from 0 to " +
            std::to_string(kRingMax);
   }
-  cloud.points.push_back({{raw.x_m, raw.y_m, raw.z_m}, static_cast<std::uint32_t>(raw.ring)});
+  cloud.points.push_back({position_L, static_cast<std::uint32_t>(raw.ring)});
   return std::nullopt;
 }
 
 Status refuse_size(const PcdHeader& header, std::string_view name, std::uint64_t wanted,
                    std::uint64_t found) {
-  return refuse(name,
-                std::to_string(header.points) + " points of " + std::to_string(header.stride_bytes) +
-                    " bytes need " + std::to_string(wanted) + " bytes after byte " +
-                    std::to_string(header.data_offset_bytes) + ", but " + std::to_string(found) +
-                    (found < wanted ? " follow; the file is cut short" : " follow; correct POINTS or SIZE"));
+  return refuse(name, std::to_string(header.points) + " points of " + std::to_string(header.stride_bytes) +
+                          " bytes need " + std::to_string(wanted) + " bytes after byte " +
+                          std::to_string(header.data_offset_bytes) + ", but " + std::to_string(found) +
+                          " follow; the file is cut short");
+}
+
+// Zeros and line ends behind the points are what the writers of binary files leave; other bytes are worth a
+// remark.
+void remark_on_rest(std::string_view rest, std::string_view name, PointCloud& cloud) {
+  constexpr std::string_view kLeftByWriters("\0 \t\r\n", 5);
+  if (rest.find_first_not_of(kLeftByWriters) != std::string_view::npos) {
+    cloud.remark = std::string(name) + ": " + std::to_string(rest.size()) +
+                   " bytes follow the points that the header declares; they are not read";
+  }
 }
 
 // The word at `place` (counted over all values of a line) as a number; NaN stays NaN.
@@ -117,12 +137,7 @@ Status read_ascii(std::string_view body, const PcdHeader& header, std::string_vi
   std::vector<std::string_view> words;
   std::size_t points = 0;
   LineReader lines(body, header.data_line);
-  for (; lines.next(); ++points) {
-    if (points == header.points) {
-      return refuse_line(
-          name, lines.number(),
-          "follows the " + std::to_string(points) + " points that the header declares; correct POINTS");
-    }
+  for (; points < header.points && lines.next(); ++points) {
     if (auto split = split_values(lines.line(), header.values, name, lines.number(), words); !split) {
       return split;
     }
@@ -130,7 +145,7 @@ Status read_ascii(std::string_view body, const PcdHeader& header, std::string_vi
     if (!raw) {
       return tl::unexpected(raw.error());
     }
-    if (const auto problem = take_point(*raw, cloud)) {
+    if (const auto problem = take_point(*raw, header, cloud)) {
       return refuse_line(name, lines.number(), "the point " + *problem);
     }
   }
@@ -138,6 +153,7 @@ Status read_ascii(std::string_view body, const PcdHeader& header, std::string_vi
     return refuse(name, "holds " + std::to_string(points) + " of the " + std::to_string(header.points) +
                             " points that the header declares; the file is cut short");
   }
+  remark_on_rest(body.substr(lines.consumed_bytes()), name, cloud);
   return {};
 }
 
@@ -164,7 +180,7 @@ Status read_columns(const Columns& columns, const PcdHeader& header, std::string
   for (std::size_t i = 0; i < header.points; ++i) {
     const RawPoint raw{columns.x.value(i), columns.y.value(i), columns.z.value(i),
                        columns.ring ? columns.ring->value(i) : 0.0};
-    if (const auto problem = take_point(raw, cloud)) {
+    if (const auto problem = take_point(raw, header, cloud)) {
       const std::string where =
           header.data == PcdData::Binary
               ? " at byte " + std::to_string(header.data_offset_bytes + i * header.stride_bytes)
@@ -177,9 +193,10 @@ Status read_columns(const Columns& columns, const PcdHeader& header, std::string
 
 Status read_binary(std::string_view body, const PcdHeader& header, std::string_view name, PointCloud& cloud) {
   const std::uint64_t wanted = std::uint64_t{header.points} * header.stride_bytes;
-  if (body.size() != wanted) {
+  if (body.size() < wanted) {
     return refuse_size(header, name, wanted, body.size());
   }
+  remark_on_rest(body.substr(wanted), name, cloud);
   const auto column = [&](std::size_t field) {
     return column_of_points(body, header.fields[field], header.stride_bytes);
   };
@@ -206,15 +223,16 @@ struct PackedSizes {
 tl::expected<PackedSizes, InputError> packed_sizes(std::string_view body, const PcdHeader& header,
                                                    std::string_view name) {
   std::array<std::uint32_t, 2> sizes{};
+  static_assert(sizeof sizes == kPackedSizesBytes);
   if (body.size() < sizeof sizes) {
     return refuse(name, "ends in the sizes of the packed data at byte " +
                             std::to_string(header.data_offset_bytes) + "; the file is cut short");
   }
   std::memcpy(sizes.data(), body.data(), sizeof sizes);
-  if (sizes[0] != body.size() - sizeof sizes) {
+  if (sizes[0] > body.size() - sizeof sizes) {
     return refuse(name, "declares " + std::to_string(sizes[0]) + " bytes of packed data at byte " +
                             std::to_string(header.data_offset_bytes) + ", but " +
-                            std::to_string(body.size() - sizeof sizes) + " follow; the file is damaged");
+                            std::to_string(body.size() - sizeof sizes) + " follow; the file is cut short");
   }
   return PackedSizes{sizes[0], sizes[1]};
 }
@@ -233,12 +251,14 @@ Status read_compressed(std::string_view body, const PcdHeader& header, std::stri
                             " bytes of unpacked data, but " + std::to_string(header.points) +
                             " points need " + std::to_string(without_padding) + "; the file is damaged");
   }
-  const auto unpacked = unpack_lzf(body.substr(8), sizes->unpacked_bytes);
+  const auto unpacked =
+      unpack_lzf(body.substr(kPackedSizesBytes, sizes->packed_bytes), sizes->unpacked_bytes);
   if (!unpacked) {
-    return refuse(name, "the packed data from byte " + std::to_string(header.data_offset_bytes + 8) +
-                            " is not LZF of " + std::to_string(sizes->unpacked_bytes) +
-                            " bytes; the file is damaged");
+    return refuse(name, "the packed data from byte " +
+                            std::to_string(header.data_offset_bytes + kPackedSizesBytes) + " is not LZF of " +
+                            std::to_string(sizes->unpacked_bytes) + " bytes; the file is damaged");
   }
+  remark_on_rest(body.substr(kPackedSizesBytes + sizes->packed_bytes), name, cloud);
   const std::string_view bytes(unpacked->data(), unpacked->size());
   const bool padding_packed = sizes->unpacked_bytes == with_padding;
   const auto column = [&](std::size_t field) {
@@ -260,6 +280,12 @@ tl::expected<PointCloud, InputError> parse_pcd(std::string_view bytes, std::stri
   const auto read = header->data == PcdData::Ascii    ? read_ascii
                     : header->data == PcdData::Binary ? read_binary
                                                       : read_compressed;
+  if (header->points == 0) {
+    // A scan that saw nothing. Writers of packed data differ in whether two sizes follow.
+    const bool has_sizes = header->data == PcdData::BinaryCompressed && body.size() >= kPackedSizesBytes;
+    remark_on_rest(body.substr(has_sizes ? kPackedSizesBytes : 0), name, cloud);
+    return cloud;
+  }
   if (Status status = read(body, *header, name, cloud); !status) {
     return tl::unexpected(std::move(status.error()));
   }

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -26,12 +27,14 @@ struct PointCloud {
   std::vector<CloudPoint> points;
   bool has_ring = false;
   std::size_t points_skipped =
-      0;  ///< a coordinate is NaN, or all are 0: nothing came back, nobody knows from where
+      0;  ///< a coordinate is NaN, or all are 0, or it is the sensor's own place: nothing came back
+  std::string remark;  ///< one line on bytes of the file that were not read; empty when there are none
 };
 
-/// The cloud in a PCD file's bytes: DATA ascii, binary (little-endian) or binary_compressed. An error, with
-/// the line or the byte, when the header is refused (parse_pcd_header), the file holds fewer or more points
-/// than declared, a coordinate is infinite or no number, a point is farther than kInputReach_m, or a ring is
+/// The cloud in a PCD file's bytes: DATA ascii, binary (little-endian) or binary_compressed. VIEWPOINT is the
+/// sensor's pose in the frame of the file's points, and they are taken into the sensor's frame. An error,
+/// with the line or the byte, when the header is refused (parse_pcd_header), the file holds fewer points than
+/// declared, a coordinate is infinite or no number, a point is farther than kInputReach_m, or a ring is
 /// not a whole number up to kRingMax.
 [[nodiscard]] tl::expected<PointCloud, InputError> parse_pcd(std::string_view bytes, std::string_view name);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace slamsensor::tools {
@@ -37,11 +38,20 @@ struct Entries {
 
 using Status = tl::expected<void, InputError>;
 
+constexpr double kQuaternionTolerance = 0.01;  // of its length; files are written with few decimals
+
+bool same_but_for_case(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [&](char x, char y) { return lower(x) == lower(y); });
+}
+
 std::optional<std::size_t> key_of(std::string_view word) {
-  if (word == "COLUMNS") {  // what version 0.5 called FIELDS
+  if (same_but_for_case(word, "COLUMNS")) {  // what version 0.5 called FIELDS
     return kFields;
   }
-  const auto found = std::find(kKeys.begin(), kKeys.end(), word);
+  const auto found = std::find_if(kKeys.begin(), kKeys.end(),
+                                  [&](std::string_view key) { return same_but_for_case(word, key); });
   return found == kKeys.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - kKeys.begin()));
 }
 
@@ -118,19 +128,19 @@ tl::expected<std::uint64_t, InputError> single(const Entries& entries, Key key, 
         name, entry.line,
         std::string(kKeys[key]) + " has " + std::to_string(entry.words.size()) + " values; it must have one");
   }
-  return bounded(entry.words.front(), entry, key, name, 1, kPcdPointsMax);
+  return bounded(entry.words.front(), entry, key, name, 0, kPcdPointsMax);
 }
 
 tl::expected<PcdType, InputError> parse_type(std::string_view word, std::size_t size_bytes, std::size_t line,
                                              std::string_view name) {
   const bool whole_size = size_bytes == 1 || size_bytes == 2 || size_bytes == 4 || size_bytes == 8;
-  if (word == "F" && (size_bytes == 4 || size_bytes == 8)) {
+  if (same_but_for_case(word, "F") && (size_bytes == 4 || size_bytes == 8)) {
     return PcdType::Float;
   }
-  if (word == "I" && whole_size) {
+  if (same_but_for_case(word, "I") && whole_size) {
     return PcdType::Signed;
   }
-  if (word == "U" && whole_size) {
+  if (same_but_for_case(word, "U") && whole_size) {
     return PcdType::Unsigned;
   }
   return refuse_line(name, line,
@@ -155,7 +165,7 @@ tl::expected<PcdField, InputError> parse_field(const Entries& entries, std::size
   }
   field.type = *type;
   if (counts.line != 0) {
-    const auto count = bounded(counts.words[i], counts, kCount, name, 1, kPcdCountMax);
+    const auto count = bounded(counts.words[i], counts, kCount, name, 0, kPcdCountMax);
     if (!count) {
       return tl::unexpected(count.error());
     }
@@ -193,7 +203,7 @@ tl::expected<std::optional<std::size_t>, InputError> find_field(const PcdHeader&
                                                                 std::string_view name) {
   std::optional<std::size_t> found;
   for (std::size_t i = 0; i < header.fields.size(); ++i) {
-    if (header.fields[i].name != wanted) {
+    if (!same_but_for_case(header.fields[i].name, wanted)) {
       continue;
     }
     if (found) {
@@ -245,6 +255,38 @@ Status fill_points(const Entries& entries, std::string_view name, PcdHeader& hea
   return {};
 }
 
+// The sensor's pose in the frame of the points: three metres and a quaternion, its real part first.
+Status fill_viewpoint(const Entries& entries, std::string_view name, PcdHeader& header) {
+  const Entry& entry = entries.of_key[kViewpoint];
+  if (entry.line == 0) {
+    return {};
+  }
+  constexpr std::size_t kNumbers = 7;
+  if (entry.words.size() != kNumbers) {
+    return refuse_line(name, entry.line,
+                       "VIEWPOINT has " + std::to_string(entry.words.size()) +
+                           " values; it must have seven: tx ty tz qw qx qy qz");
+  }
+  std::array<double, kNumbers> values{};
+  for (std::size_t i = 0; i < kNumbers; ++i) {
+    const std::optional<double> value = parse_number(entry.words[i]);
+    if (!value || !(std::abs(*value) <= kPcdViewpointReach_m)) {
+      return refuse_line(name, entry.line,
+                         "VIEWPOINT has the value " + in_quotes(entry.words[i]) +
+                             "; allowed are numbers, tx ty tz within " + shown(kPcdViewpointReach_m) + " m");
+    }
+    values[i] = *value;
+  }
+  const Eigen::Quaterniond rotation(values[3], values[4], values[5], values[6]);
+  if (!(std::abs(rotation.norm() - 1.0) <= kQuaternionTolerance)) {
+    return refuse_line(name, entry.line,
+                       "the quaternion of VIEWPOINT has length " + shown(rotation.norm()) +
+                           "; it must be 1 within 1 %, in the order qw qx qy qz (1 0 0 0 is no rotation)");
+  }
+  header.T_cloud_L = Eigen::Translation3d(values[0], values[1], values[2]) * rotation.normalized();
+  return {};
+}
+
 Status fill_data(const Entries& entries, std::string_view name, PcdHeader& header) {
   constexpr std::array<std::pair<std::string_view, PcdData>, 3> kKinds{
       {{"ascii", PcdData::Ascii},
@@ -254,7 +296,7 @@ Status fill_data(const Entries& entries, std::string_view name, PcdHeader& heade
   header.data_line = entries.last_line + 1;
   const Entry& entry = entries.of_key[kData];
   for (const auto& [word, kind] : kKinds) {
-    if (entry.words.size() == 1 && entry.words.front() == word) {
+    if (entry.words.size() == 1 && same_but_for_case(entry.words.front(), word)) {
       header.data = kind;
       return {};
     }
@@ -276,6 +318,7 @@ tl::expected<PcdHeader, InputError> parse_pcd_header(std::string_view bytes, std
                             .and_then([&] { return fill_fields(*entries, name, header); })
                             .and_then([&] { return place_fields(*entries, name, header); })
                             .and_then([&] { return fill_points(*entries, name, header); })
+                            .and_then([&] { return fill_viewpoint(*entries, name, header); })
                             .and_then([&] { return fill_data(*entries, name, header); });
   if (!status) {
     return tl::unexpected(status.error());

@@ -139,6 +139,7 @@ class FileScanSource final : public ScanSource {
       return tl::unexpected(cloud.error());
     }
     scan.points_skipped = cloud->points_skipped;
+    scan.remark = cloud->remark;
     return scanlines_of_cloud(*cloud, config_.point_cloud, config_.core.detection.bearing_step_rad, scan.name)
         .map([&](auto&& scanlines) { scan.scanlines = std::forward<decltype(scanlines)>(scanlines); });
   }

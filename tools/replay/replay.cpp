@@ -39,6 +39,9 @@ tl::expected<Replay, InputError> replay(const std::vector<std::filesystem::path>
       break;
     }
     result.points_skipped += (*scan)->points_skipped;
+    if (!(*scan)->remark.empty()) {
+      result.notes.push_back((*scan)->remark);
+    }
     const FixRow& row = run.add((*scan)->number, static_cast<double>((*scan)->number),
                                 [&] { return localise(**scan, run.pipeline()); });
     if (progress) {

@@ -24,7 +24,7 @@ struct Replay {
   std::vector<MapRow> map;           ///< of the best hypothesis at the end
   std::vector<bool> matched;         ///< per landmark of `map`: by the last scan that has a fix
   std::vector<std::string> refused;  ///< messages of the scans that could not be read
-  std::vector<std::string> notes;    ///< of a recording: how it ended, and what else is to be known
+  std::vector<std::string> notes;    ///< what else is to be known, as how a recording ended
   bool is_damaged = false;           ///< of a recording: not all of it could be played
   std::uint64_t fixes_compared = 0;  ///< of a recording: with those that were sent when it was made
   std::uint64_t fixes_alike = 0;     ///< of these, in everything, bit for bit

@@ -67,7 +67,8 @@ TEST(PcdHeader, RefusesMissingDoubledAndUnknownKeys) {
 TEST(PcdHeader, RefusesFieldsThatCannotBe) {
   EXPECT_THAT(error_of(changed("SIZE 4 4 4", "SIZE 4 4")), HasSubstr("SIZE has 2 values for 3 fields"));
   EXPECT_THAT(error_of(changed("COUNT 1 1 1", "COUNT 1 1 1 1")), HasSubstr("COUNT has 4 values"));
-  EXPECT_THAT(error_of(changed("COUNT 1 1 1", "COUNT 1 0 1")), HasSubstr("COUNT is '0'"));
+  EXPECT_THAT(error_of(changed("COUNT 1 1 1", "COUNT 1 0 1")), HasSubstr("'y' has COUNT 0"));
+  EXPECT_THAT(error_of(changed("COUNT 1 1 1", "COUNT 1 -1 1")), HasSubstr("COUNT is '-1'"));
   EXPECT_THAT(error_of(changed("COUNT 1 1 1", "COUNT 1 2 1")), HasSubstr("'y' has COUNT 2"));
   EXPECT_THAT(error_of(changed("SIZE 4 4 4", "SIZE 4 3 4")), HasSubstr("type 'F' of size 3"));
   EXPECT_THAT(error_of(changed("SIZE 4 4 4", "SIZE 4 2 4")), HasSubstr("type 'F' of size 2"));
@@ -81,13 +82,41 @@ TEST(PcdHeader, RefusesFieldsThatCannotBe) {
 
 TEST(PcdHeader, RefusesSizesThatContradictOrOverflow) {
   EXPECT_THAT(error_of(changed("POINTS 2", "POINTS 3")), HasSubstr("POINTS is 3, but WIDTH x HEIGHT is 2"));
-  EXPECT_THAT(error_of(changed("POINTS 2", "POINTS 0")), HasSubstr("POINTS is '0'"));
+  EXPECT_THAT(error_of(changed("POINTS 2", "POINTS 0")), HasSubstr("POINTS is 0, but WIDTH x HEIGHT is 2"));
   EXPECT_THAT(error_of(changed("WIDTH 2", "WIDTH 4294967297")), HasSubstr("WIDTH is '4294967297'"));
   EXPECT_THAT(error_of(changed("WIDTH 2", "WIDTH 18446744073709551617")), HasSubstr("WIDTH is"));
   EXPECT_THAT(error_of(changed("HEIGHT 1", "HEIGHT 1 1")), HasSubstr("HEIGHT has 2 values"));
   EXPECT_THAT(error_of(changed("HEIGHT 1", "HEIGHT")), HasSubstr("HEIGHT has 0 values"));
   EXPECT_THAT(error_of(changed("DATA ascii", "DATA zip")), HasSubstr("DATA is 'zip'"));
   EXPECT_THAT(error_of(changed("DATA ascii", "DATA")), HasSubstr("DATA is ''"));
+}
+
+TEST(PcdHeader, ReadsWordsInEitherCase) {
+  const auto header = parse_pcd_header(
+      "version 0.7\nfields X Y Z Ring\nsize 4 4 4 2\ntype f f f u\ncount 1 1 1 1\nwidth 1\nheight 1\n"
+      "viewpoint 1 2 3 1 0 0 0\npoints 1\ndata BINARY_Compressed\n",
+      "c.pcd");
+  ASSERT_TRUE(header) << header.error().message;
+  EXPECT_EQ(header->data, PcdData::BinaryCompressed);
+  EXPECT_EQ(header->z, 2U);
+  EXPECT_EQ(header->ring, 3U);
+  EXPECT_EQ(header->T_cloud_L.translation(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_THAT(error_of(changed("FIELDS x y z", "FIELDS x X z")), HasSubstr("'x' twice"));
+}
+
+TEST(PcdHeader, RefusesAViewpointThatIsNoPose) {
+  const auto error_with = [](const std::string& values) {
+    return error_of(changed("VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT" + values));
+  };
+  EXPECT_EQ(error_with(" -1e5 4.2e6 100 0.7071 0 0 -0.7071"), "");
+  for (const char* values : {"", " 1 2 3", " 0 0 0 1 0 0 0 0"}) {
+    EXPECT_THAT(error_with(values), AllOf(HasSubstr("c.pcd:9"), HasSubstr("must have seven"))) << values;
+  }
+  EXPECT_THAT(error_with(" 0 nan 0 1 0 0 0"), HasSubstr("'nan'"));
+  EXPECT_THAT(error_with(" 0 0 1e9 1 0 0 0"), HasSubstr("'1e9'"));
+  EXPECT_THAT(error_with(" 0 0 one 1 0 0 0"), HasSubstr("'one'"));
+  EXPECT_THAT(error_with(" 0 0 0 0 0 0 0"), HasSubstr("has length 0"));
+  EXPECT_THAT(error_with(" 0 0 0 1 1 0 0"), HasSubstr("has length 1.41421"));
 }
 
 TEST(PcdHeader, RefusesAHeaderWithoutEnd) {
