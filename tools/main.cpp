@@ -1,9 +1,11 @@
+#include "firmware/daemon/version.hpp"
 #include "tools/commands/command.hpp"
 
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <exception>
+#include <string>
 
 namespace {
 
@@ -12,6 +14,7 @@ int run(int argc, char** argv) {
   CLI::App app(
       "slamsensor: a standalone SLAM sensor. One verb per job, the same on a sensor and on a recording.");
   app.require_subcommand(1);
+  app.set_version_flag("--version", "slamsensor " + std::string(slamsensor::firmware::kVersion));
   CommandResult result = EX_OK;
   add_replay(app, result);
   add_locate(app, result);

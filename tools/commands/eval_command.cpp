@@ -1,6 +1,7 @@
 #include "core/config.hpp"
 #include "tools/commands/command.hpp"
 #include "tools/eval/evaluation_report.hpp"
+#include "tools/input/input_error.hpp"
 #include "tools/input/tum.hpp"
 
 #include <CLI/CLI.hpp>
@@ -17,6 +18,7 @@ struct Options {
   bool json = false;
   double wrong_m = 1.0;
   double wrong_deg = 2.0;
+  double tolerance_s = EvaluationConfig().time_tolerance_s;
 };
 
 CommandResult run(const Options& options) {
@@ -28,11 +30,18 @@ CommandResult run(const Options& options) {
   EvaluationConfig config;
   config.wrong_distance_m = options.wrong_m;
   config.wrong_heading_rad = options.wrong_deg * core::kDegree;
+  config.time_tolerance_s = options.tolerance_s;
   const auto evaluation = evaluate(*truth, *trajectory, config);
   if (!evaluation) {
     return tl::unexpected(CommandError{evaluation.error().message + '\n', EX_DATAERR});
   }
   std::fputs((options.json ? evaluation_json(*evaluation) : evaluation_text(*evaluation)).c_str(), stdout);
+  if (has_nothing_in_common(*evaluation)) {
+    return tl::unexpected(CommandError{
+        options.trajectory + ": no pose has a time of " + options.truth + " within " +
+            shown(options.tolerance_s) + " s; check that both count time alike, or raise --time-tolerance\n",
+        EX_DATAERR});
+  }
   return EX_OK;
 }
 
@@ -50,6 +59,10 @@ void add_eval(CLI::App& app, CommandResult& result) {
   verb->add_option("--wrong-heading", options->wrong_deg, "a fix turned by more than this is wrong, deg")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
+  verb->add_option("--time-tolerance", options->tolerance_s,
+                   "a fix belongs to the nearest true pose if their times differ by no more, s")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
   verb->add_option("TRAJECTORY", options->trajectory, "trajectory.tum of a replay")
       ->required()
       ->type_name("F.tum");

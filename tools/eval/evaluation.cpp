@@ -155,6 +155,10 @@ AlignedErrors errors_under(const core::Pose2& T_truth_map, const Matches& matche
 
 }  // namespace
 
+bool has_nothing_in_common(const Evaluation& evaluation) {
+  return evaluation.fixes > 0 && evaluation.fixes_without_truth == evaluation.fixes;
+}
+
 tl::expected<Evaluation, EvaluationError> evaluate(std::span<const TimedPose> truth,
                                                    std::span<const TimedPose> trajectory,
                                                    const EvaluationConfig& config) {

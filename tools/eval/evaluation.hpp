@@ -20,7 +20,7 @@ struct EvaluationConfig {
   double wrong_distance_m = 1.0;                            ///< a fix farther off than this is wrong
   double wrong_heading_rad = 2.0 * std::numbers::pi / 180;  ///< a fix turned by more than this is wrong
   double time_tolerance_s =
-      1e-6;  ///< a fix belongs to the nearest true pose if their times differ by no more
+      0.01;  ///< a fix belongs to the nearest true pose if their times differ by no more
 };
 
 /// What one fix is off by, under some alignment.
@@ -65,6 +65,9 @@ struct Evaluation {
   std::optional<AlignedErrors>
       least_squares;  ///< smallest ATE rms of all rigid motions; both absent without such a fix
 };
+
+/// Whether there are fixes, and none has a time of the truth: such an evaluation says nothing.
+[[nodiscard]] bool has_nothing_in_common(const Evaluation& evaluation);
 
 /// Why two trajectories cannot be compared, in one line.
 struct EvaluationError {

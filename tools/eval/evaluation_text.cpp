@@ -100,9 +100,15 @@ std::string wrong_rule(const EvaluationConfig& config) {
 
 std::string evaluation_text(const Evaluation& evaluation) {
   std::string text = counts(evaluation);
-  if (!evaluation.first_fix) {
+  if (has_nothing_in_common(evaluation)) {
+    text += "No fix has a time of the truth within ";
+    append_shortest(text, evaluation.config.time_tolerance_s);
     return text +
-           "No fix has a time of the truth: nothing to compare. Check that both files count time alike.\n";
+           " s: nothing to compare. Check that both files count time alike, or allow more with "
+           "--time-tolerance.\n";
+  }
+  if (!evaluation.first_fix) {
+    return text + "There is no fix to compare.\n";
   }
   return text + "\n" + totals(evaluation) + "\n" + tenths(evaluation) + "\n" + wrong_rule(evaluation.config);
 }

@@ -145,7 +145,8 @@ TEST(Evaluation, FixesWithoutTruthAreCountedAndNotJudged) {
 
 TEST(Evaluation, TheNearestTruthWithinTheToleranceCounts) {
   const std::vector<TimedPose> truth = straight(3);
-  const std::vector<TimedPose> fixes{{1.0 + 5e-7, truth[0].pose}, {1.9, truth[1].pose}, {3.4, truth[2].pose}};
+  const std::vector<TimedPose> fixes{
+      {1.0 + 0.009, truth[0].pose}, {1.9, truth[1].pose}, {3.4, truth[2].pose}};
   EXPECT_EQ(evaluate(truth, fixes)->fixes_without_truth, 2U);
   EvaluationConfig config;
   config.time_tolerance_s = 0.15;
@@ -214,6 +215,11 @@ TEST(EvaluationReport, NothingInCommonIsSaid) {
   EXPECT_TRUE(json["first_fix"].is_null());
   EXPECT_TRUE(json["wrong_fixes"].is_null());
   EXPECT_EQ(json["fixes_without_truth"], 1);
+  EXPECT_TRUE(has_nothing_in_common(*result));
+  EXPECT_THAT(evaluation_text(*result), HasSubstr("within 0.01 s"));
+  EXPECT_FALSE(has_nothing_in_common(*evaluate(straight(3), straight(3))));
+  EXPECT_FALSE(has_nothing_in_common(*evaluate(straight(3), {}))) << "a run without a fix is a result";
+  EXPECT_TRUE(has_nothing_in_common(*evaluate({}, straight(3))));
   EXPECT_TRUE(evaluate({}, {})) << "two empty files are a result, not a crash";
 }
 
