@@ -52,6 +52,7 @@ class Cli(unittest.TestCase):
         self.assertEqual(run("fly")[0], USAGE)
         self.assertEqual(run("replay")[0], USAGE)
         self.assertEqual(run("--help")[0], OK)
+        self.assertRegex(run("--version")[1], r"^slamsensor \d+\.\d+\.\d+\n$")
 
     def test_truncated_pcd(self):
         self.refused(self.write("scan_1.pcd", pcd([(1, 2, 3)], declared=5)), "scan_1.pcd")
@@ -145,6 +146,30 @@ class Cli(unittest.TestCase):
         self.assertEqual(code, OK)
         self.assertEqual(json.loads(output)["wrong_fixes"], 0)
         self.assertGreaterEqual(json.loads(output)["fixes"], 3)
+
+    def test_eval_compares_within_a_tolerance(self):
+        pose = "{} {} 0 0 0 0 0 1\n"
+        truth = self.write("t.tum", "".join(pose.format(100 + i, i) for i in range(5)))
+        late = self.write("f.tum", "".join(pose.format(100.03 + i, i) for i in range(5)))
+        code, output, errors = run("eval", "--truth", truth, late)
+        self.assertEqual(code, DATAERR)
+        self.assertIn("within 0.01 s", errors)
+        code, output, _ = run("eval", "--json", "--time-tolerance", 0.05, "--truth", truth, late)
+        self.assertEqual((code, json.loads(output)["fixes_without_truth"]), (OK, 0))
+
+    def test_what_is_not_read_is_named_and_fails(self):
+        self.write("scan_1.pcd", pcd([(1, 2, 3)]))
+        self.write("notes.md", "")
+        code, output, errors = run("replay", "--out", self.out, self.folder)
+        self.assertEqual(code, OK, errors)
+        self.assertIn("notes.md", errors)
+        code, output, errors = run("replay", "--out", self.out, self.folder)
+        self.assertEqual(code, OK, "the results of the run before are no input: " + errors)
+        self.write("scan_2.ply", "ply")
+        code, output, errors = run("replay", "--out", self.out, self.folder)
+        self.assertEqual(code, DATAERR)
+        self.assertIn("not read: " + str(self.folder / "scan_2.ply"), errors)
+        self.assertIn("entries not read 2", output)
 
     def test_locate_finds_the_map_in_itself(self):
         points = [(1.0, 2.0), (9.0, -3.0), (-6.0, 4.0), (12.0, 11.0), (-3.0, -13.0), (17.0, 2.5), (-14.0, -2.0),

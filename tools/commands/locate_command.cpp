@@ -15,6 +15,7 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace slamsensor::tools {
@@ -83,6 +84,15 @@ void print_summary(const std::vector<Query>& queries, std::size_t map_landmarks)
   std::printf("time       median %.3f ms, 99 %% %.3f ms, worst %.3f ms\n", at(0.5), at(0.99), at(1.0));
 }
 
+/// Names what was not read; whether a scan may be among it.
+bool print_not_read(std::span<const NotRead> not_read) {
+  for (const NotRead& entry : not_read) {
+    std::fprintf(stderr, "slamsensor: not read: %s: %s\n", entry.path.c_str(), entry.reason.c_str());
+  }
+  return std::any_of(not_read.begin(), not_read.end(),
+                     [](const NotRead& entry) { return entry.kind == NotReadKind::Missed; });
+}
+
 CommandResult run(const Options& options) {
   const auto loaded = load(options.config);
   if (!loaded) {
@@ -133,7 +143,7 @@ CommandResult run(const Options& options) {
     return tl::unexpected(CommandError{written.error().message + '\n', EX_CANTCREAT});
   }
   print_summary(queries, map_W.size());
-  return EX_OK;
+  return print_not_read((*source)->not_read()) ? EX_DATAERR : EX_OK;
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -26,6 +27,7 @@ struct Options {
   std::string out;
   std::vector<std::filesystem::path> inputs;
   bool no_times = false;
+  double tolerance_s = EvaluationConfig().time_tolerance_s;
 };
 
 tl::expected<std::vector<TimedPose>, CommandError> read_truth(const std::string& path) {
@@ -57,6 +59,18 @@ tl::expected<std::optional<RecordingFile>, CommandError> find_recording(
       .map_error(bad_input);
 }
 
+/// Leaves out what the command line names itself: the results of an earlier run, the truth, the settings.
+void leave_out_own(const Options& options, std::vector<NotRead>& not_read) {
+  const auto is_own = [&](const NotRead& entry) {
+    const std::array<std::filesystem::path, 3> own{options.out, options.truth, options.config.file};
+    return std::any_of(own.begin(), own.end(), [&](const std::filesystem::path& path) {
+      std::error_code error;
+      return !path.empty() && std::filesystem::equivalent(path, entry.path, error);
+    });
+  };
+  not_read.erase(std::remove_if(not_read.begin(), not_read.end(), is_own), not_read.end());
+}
+
 /// What the recording was made with, under --config and --set.
 tl::expected<firmware::LoadedConfig, CommandError> load_for(const std::optional<RecordingFile>& recording,
                                                             const ConfigOptions& options) {
@@ -82,20 +96,25 @@ tl::expected<Replay, CommandError> make_replay(const Options& options,
 }
 
 tl::expected<std::optional<Evaluation>, CommandError> compare(const std::vector<TimedPose>& truth,
-                                                              const Replay& result, const std::string& name) {
+                                                              const Replay& result, const Options& options) {
   if (truth.empty()) {
     return std::nullopt;
   }
-  return evaluate(truth, trajectory_of(result.rows))
+  EvaluationConfig config;
+  config.time_tolerance_s = options.tolerance_s;
+  return evaluate(truth, trajectory_of(result.rows), config)
       .map([](Evaluation&& evaluation) { return std::optional(std::move(evaluation)); })
       .map_error([&](const EvaluationError& error) {
-        return CommandError{name + ": " + error.message + '\n', EX_DATAERR};
+        return CommandError{options.truth + ": " + error.message + '\n', EX_DATAERR};
       });
 }
 
 void print(const Replay& result, const std::optional<Evaluation>& evaluation, const std::string& out) {
   for (const std::string& message : result.refused) {
     std::fprintf(stderr, "slamsensor: refused: %s\n", message.c_str());
+  }
+  for (const NotRead& entry : result.not_read) {
+    std::fprintf(stderr, "slamsensor: not read: %s: %s\n", entry.path.c_str(), entry.reason.c_str());
   }
   std::fputs(replay_summary(result).c_str(), stdout);
   if (evaluation) {
@@ -104,8 +123,8 @@ void print(const Replay& result, const std::optional<Evaluation>& evaluation, co
   std::printf("written to %s: trajectory.tum fixes.csv map.csv track.nmea plot.svg\n", out.c_str());
 }
 
-/// Exit status EX_DATAERR when a scan was refused or a recording is damaged, after everything that could be
-/// done is done.
+/// Exit status EX_DATAERR when the replay is incomplete or the truth has none of its times, after everything
+/// that could be done is done.
 CommandResult run(const Options& options) {
   const auto recording = find_recording(options.inputs);
   if (!recording) {
@@ -119,11 +138,12 @@ CommandResult run(const Options& options) {
   if (!truth) {
     return tl::unexpected(truth.error());
   }
-  const auto result = make_replay(options, *recording, loaded->config);
+  auto result = make_replay(options, *recording, loaded->config);
   if (!result) {
     return tl::unexpected(result.error());
   }
-  const auto evaluation = compare(*truth, *result, options.truth);
+  leave_out_own(options, result->not_read);
+  const auto evaluation = compare(*truth, *result, options);
   if (!evaluation) {
     return tl::unexpected(evaluation.error());
   }
@@ -133,7 +153,8 @@ CommandResult run(const Options& options) {
     return tl::unexpected(CommandError{written.error().message + '\n', EX_CANTCREAT});
   }
   print(*result, *evaluation, options.out);
-  return result->refused.empty() && !result->is_damaged ? EX_OK : EX_DATAERR;
+  const bool is_compared = !*evaluation || !has_nothing_in_common(**evaluation);
+  return is_compared && !is_incomplete(*result) ? EX_OK : EX_DATAERR;
 }
 
 }  // namespace
@@ -144,8 +165,12 @@ void add_replay(CLI::App& app, CommandResult& result) {
       "replay", "localise recorded scans: point clouds, readings, landmark lists, recordings");
   options->config.add_to(*verb);
   verb->add_option("--truth", options->truth,
-                   "true poses to compare with (TUM: t x y z qx qy qz qw, t = scan number)")
+                   "true poses to compare with (TUM: t x y z qx qy qz qw, t = time stamp or scan number)")
       ->type_name("T.tum");
+  verb->add_option("--time-tolerance", options->tolerance_s,
+                   "a fix belongs to the nearest true pose if their times differ by no more, s")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
   verb->add_option("--out", options->out, "folder for the results")->required()->type_name("DIR");
   verb->add_flag("--no-times", options->no_times, "leave the measured milliseconds out of fixes.csv");
   verb->add_option("INPUT", options->inputs,

@@ -85,7 +85,7 @@ tl::expected<std::vector<Scanline>, InputError> scanlines_of_cloud(const PointCl
     const core::Reading reading = reading_of(R_level_L * point.position_L);
     const std::int64_t key =
         cloud.has_ring ? std::int64_t{point.ring}
-                       : static_cast<std::int64_t>(std::floor(reading.tilt_rad / config.tilt_step_rad));
+                       : static_cast<std::int64_t>(std::llround(reading.tilt_rad / config.tilt_step_rad));
     by_key[key].push_back(reading);
   }
   const ColumnCircle columns(bearing_step_rad);

@@ -16,7 +16,75 @@ std::string column_list(std::span<const CsvColumn> columns) {
   return list;
 }
 
+// A field without the quotes around it; a quote within stays, and is then no number and no column's name.
+std::string_view unquoted(std::string_view field) {
+  field = trim(field);
+  const bool is_quoted = field.size() >= 2 && field.front() == '"' && field.back() == '"';
+  return is_quoted ? trim(field.substr(1, field.size() - 2)) : field;
+}
+
+// Where the field at the start of `line` ends: at a separator outside of quotes, or at the line's end.
+std::size_t field_end(std::string_view line, char separator) {
+  bool in_quotes = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    in_quotes = in_quotes != (line[i] == '"');
+    if (line[i] == separator && !in_quotes) {
+      return i;
+    }
+  }
+  return std::string_view::npos;
+}
+
+void split_line(std::string_view line, char separator, std::vector<std::string_view>& fields) {
+  fields.clear();
+  for (;;) {
+    const std::size_t end = field_end(line, separator);
+    fields.push_back(unquoted(line.substr(0, end)));
+    if (end == std::string_view::npos) {
+      return;
+    }
+    line.remove_prefix(end + 1);
+  }
+}
+
+char separator_of(std::string_view header) {
+  for (const char separator : {';', '\t'}) {
+    if (header.find(separator) != std::string_view::npos) {
+      return separator;
+    }
+  }
+  return ',';
+}
+
+// A number with a decimal comma, which is one only where no comma parts the fields.
+std::optional<double> parse_decimal(std::string_view text, char separator) {
+  const std::size_t comma = separator == ',' ? std::string_view::npos : text.find(',');
+  if (comma == std::string_view::npos || text.find('.') != std::string_view::npos) {
+    return parse_number(text);
+  }
+  std::string with_point(text);
+  with_point[comma] = '.';
+  return parse_number(with_point);
+}
+
 }  // namespace
+
+std::optional<CsvHeader> read_csv_header(LineReader& lines) {
+  constexpr std::string_view kSeparatorLine = "sep=";  // the first line of what a spreadsheet wrote
+  if (!lines.next()) {
+    return std::nullopt;
+  }
+  CsvHeader header;
+  header.separator = separator_of(lines.line());
+  if (lines.line().starts_with(kSeparatorLine) && lines.whole_line().size() == kSeparatorLine.size() + 1) {
+    header.separator = lines.whole_line().back();
+    if (!lines.next()) {
+      return std::nullopt;
+    }
+  }
+  split_line(lines.whole_line(), header.separator, header.columns);
+  return header;
+}
 
 CsvReader::CsvReader(std::string_view text, std::string_view name, std::span<const CsvColumn> columns)
     : lines_(text), name_(name), columns_(columns), places_(columns.size(), kAbsent) {
@@ -25,17 +93,22 @@ CsvReader::CsvReader(std::string_view text, std::string_view name, std::span<con
 tl::expected<CsvReader, InputError> CsvReader::open(std::string_view text, std::string_view name,
                                                     std::span<const CsvColumn> columns, CsvOthers others) {
   CsvReader reader(text, name, columns);
-  if (auto read = reader.read_header(others); !read) {
+  if (auto read = reader.read_header(text, others); !read) {
     return tl::unexpected(std::move(read.error()));
   }
   return reader;
 }
 
-tl::expected<void, InputError> CsvReader::read_header(CsvOthers others) {
-  if (!lines_.next()) {
+tl::expected<void, InputError> CsvReader::read_header(std::string_view text, CsvOthers others) {
+  if (auto checked = check_encoding(text, name_); !checked) {
+    return checked;
+  }
+  auto header = read_csv_header(lines_);
+  if (!header) {
     return refuse(name_, "is empty; its first line must name the columns " + column_list(columns_));
   }
-  split_line();
+  separator_ = header->separator;
+  fields_ = std::move(header->columns);
   width_ = fields_.size();
   for (std::size_t field = 0; field < width_; ++field) {
     if (auto placed = place_column(field, others); !placed) {
@@ -72,24 +145,11 @@ tl::expected<void, InputError> CsvReader::place_column(std::size_t field, CsvOth
   return {};
 }
 
-void CsvReader::split_line() {
-  fields_.clear();
-  std::string_view rest = lines_.line();
-  for (;;) {
-    const std::size_t comma = rest.find(',');
-    fields_.push_back(trim(rest.substr(0, comma)));
-    if (comma == std::string_view::npos) {
-      return;
-    }
-    rest.remove_prefix(comma + 1);
-  }
-}
-
 tl::expected<bool, InputError> CsvReader::next() {
   if (!lines_.next()) {
     return false;
   }
-  split_line();
+  split_line(lines_.whole_line(), separator_, fields_);
   if (fields_.size() != width_) {
     return refuse_line(name_, line(),
                        "has " + std::to_string(fields_.size()) + " fields where the header has " +
@@ -99,7 +159,7 @@ tl::expected<bool, InputError> CsvReader::next() {
 }
 
 tl::expected<double, InputError> CsvReader::number(std::size_t column, const CsvRange& range) const {
-  const std::optional<double> value = parse_number(text(column));
+  const std::optional<double> value = parse_decimal(text(column), separator_);
   if (!value || !std::isfinite(*value) || *value < range.min || *value > range.max) {
     return refuse_line(name_, line(),
                        std::string(columns_[column].name) + " is " + in_quotes(text(column)) +

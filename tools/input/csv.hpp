@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -23,6 +24,16 @@ struct CsvColumn {
   CsvNeed need = CsvNeed::Required;
 };
 
+/// The first line of a table, as spreadsheets and programs write it.
+struct CsvHeader {
+  char separator = ',';  ///< between fields; where it is no comma, numbers may have decimal commas
+  std::vector<std::string_view> columns;
+};
+
+/// Reads the header at `lines`: what parts its columns is told from it (a semicolon, a tab or a comma), or
+/// from a line `sep=;` before it. Nothing when there is no line.
+[[nodiscard]] std::optional<CsvHeader> read_csv_header(LineReader& lines);
+
 enum class CsvOthers : std::uint8_t { Refused, Ignored };
 
 /// What a value must be: finite and from `min` to `max`; `unit` is for the message ("m").
@@ -32,10 +43,10 @@ struct CsvRange {
   std::string_view unit;
 };
 
-/// Walks a comma-separated text: a header that names the columns in any order, then rows with a field per
-/// column. Fields are trimmed; quoting is not understood; blank lines, '#' comments, a byte order mark and
-/// both line ends are. Columns are addressed by their place in the `columns` given to `open`. Text, name and
-/// columns must outlive it.
+/// Walks a table in text: a header that names the columns in any order, then rows with a field per column,
+/// parted by commas, semicolons or tabs. Fields are trimmed and may be in double quotes; blank lines, '#'
+/// comments, a byte order mark and both line ends are understood. Columns are addressed by their place in the
+/// `columns` given to `open`. Text, name and columns must outlive it.
 class CsvReader {
  public:
   /// Reads the header. An error when there is none, a required column is missing, one occurs twice, or, where
@@ -65,15 +76,15 @@ class CsvReader {
   static constexpr std::size_t kAbsent = std::numeric_limits<std::size_t>::max();
 
   CsvReader(std::string_view text, std::string_view name, std::span<const CsvColumn> columns);
-  [[nodiscard]] tl::expected<void, InputError> read_header(CsvOthers others);
+  [[nodiscard]] tl::expected<void, InputError> read_header(std::string_view text, CsvOthers others);
   [[nodiscard]] tl::expected<void, InputError> place_column(std::size_t field, CsvOthers others);
-  void split_line();
 
   LineReader lines_;
   std::string_view name_;
   std::span<const CsvColumn> columns_;
   std::vector<std::size_t> places_;  // of each column: its field, or kAbsent
   std::vector<std::string_view> fields_;
+  char separator_ = ',';
   std::size_t width_ = 0;
 };
 

@@ -15,6 +15,15 @@ tl::unexpected<InputError> refuse_line(std::string_view name, std::size_t line, 
   return refuse(std::string(name) + ":" + std::to_string(line), what);
 }
 
+tl::expected<void, InputError> check_encoding(std::string_view start, std::string_view name) {
+  constexpr std::size_t kLookedAtBytes = 64;  // UTF-16 without a mark has a zero in each pair of bytes
+  const bool has_mark = start.starts_with("\xFF\xFE") || start.starts_with("\xFE\xFF");
+  if (has_mark || start.substr(0, kLookedAtBytes).find('\0') != std::string_view::npos) {
+    return refuse(name, "is text in UTF-16, or no text; save it as UTF-8");
+  }
+  return {};
+}
+
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t kShownMax = 40;
   std::string result = "'";

@@ -20,6 +20,10 @@ struct InputError {
 [[nodiscard]] tl::unexpected<InputError> refuse_line(std::string_view name, std::size_t line,
                                                      std::string_view what);
 
+/// An error when the file that begins with `start` is UTF-16, as spreadsheets and Windows write it on
+/// request.
+[[nodiscard]] tl::expected<void, InputError> check_encoding(std::string_view start, std::string_view name);
+
 /// `text` as a message may show it: in quotes, control and non-ASCII bytes as '?', cut after 40 characters.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 

@@ -3,6 +3,7 @@
 #include "core/landmark.hpp"
 #include "core/reading.hpp"
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -10,7 +11,7 @@
 
 namespace slamsensor::tools {
 
-/// A scan's number is also its time in seconds (core::ScanTime); larger ones do not fit its nanoseconds.
+/// A scan's number may be its time in seconds (core::ScanTime); larger ones do not fit its nanoseconds.
 inline constexpr std::int64_t kScanNumberMax = 9'000'000'000;
 
 /// A coordinate or range beyond this comes from a broken file, not from a rangefinder.
@@ -18,8 +19,9 @@ inline constexpr double kInputReach_m = 10'000.0;
 
 /// One scan as an input file holds it: scanlines of readings, or landmarks that were found elsewhere.
 struct InputScan {
-  std::int64_t number = 0;  ///< in the file's name, or the list's scan column
-  std::string name;         ///< for messages: "campus/scan_001.pcd", "landmarks.csv: scan 7"
+  std::int64_t number = 0;          ///< from the file's name, or the list's scan column
+  std::chrono::nanoseconds time{};  ///< the stamp in the file's name; without one the number in seconds
+  std::string name;                 ///< for messages: "campus/scan_001.pcd", "landmarks.csv: scan 7"
   bool is_landmark_list = false;
   std::vector<std::vector<core::Reading>> scanlines;  ///< each in the order of the sweep
   std::vector<core::ScanLandmark> landmarks;

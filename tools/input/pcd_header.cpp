@@ -81,6 +81,9 @@ Status take_entry(const LineReader& lines, std::string_view name, Entries& entri
 }
 
 tl::expected<Entries, InputError> read_entries(std::string_view bytes, std::string_view name) {
+  if (auto checked = check_encoding(bytes, name); !checked) {
+    return tl::unexpected(std::move(checked.error()));
+  }
   Entries entries;
   LineReader lines(bytes.substr(0, kPcdHeaderBytesMax));
   while (lines.next() && (lines.ended() || lines.consumed_bytes() == bytes.size())) {

@@ -1,10 +1,13 @@
 #include "tools/input/scan_files.hpp"
 
+#include "tools/input/csv.hpp"
 #include "tools/input/file.hpp"
 #include "tools/input/text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -17,29 +20,26 @@ using Status = tl::expected<void, InputError>;
 
 constexpr std::size_t kCsvHeaderBytesMax = std::size_t{64} * 1024;
 
-std::string lower_extension(const Path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) {
+std::string lower(std::string text) {
+  for (char& c : text) {
     c = (c >= 'A' && c <= 'Z') ? static_cast<char>(c - 'A' + 'a') : c;
   }
-  return extension;
+  return text;
 }
 
-bool names_column(std::string_view header, std::string_view column) {
-  for (;;) {
-    const std::size_t comma = header.find(',');
-    if (trim(header.substr(0, comma)) == column) {
-      return true;
-    }
-    if (comma == std::string_view::npos) {
-      return false;
-    }
-    header.remove_prefix(comma + 1);
-  }
+std::string lower_extension(const Path& path) {
+  return lower(path.extension().string());
 }
 
 tl::expected<CsvKind, InputError> kind_of_file(const Path& path) {
-  return read_file(path, kCsvHeaderBytesMax).map([](const std::string& start) { return csv_kind(start); });
+  const auto start = read_file(path, kCsvHeaderBytesMax);
+  if (!start) {
+    return tl::unexpected(start.error());
+  }
+  if (auto checked = check_encoding(*start, path.string()); !checked) {
+    return tl::unexpected(std::move(checked.error()));
+  }
+  return csv_kind(*start);
 }
 
 std::optional<ScanFileKind> scan_kind(CsvKind kind) {
@@ -56,29 +56,24 @@ std::optional<ScanFileKind> scan_kind(CsvKind kind) {
   return std::nullopt;
 }
 
-tl::unexpected<InputError> refuse_csv(const Path& path, CsvKind kind) {
+std::string csv_reason(CsvKind kind) {
   if (kind == CsvKind::Empty) {
-    return refuse(path.string(), "is empty; it must start with a line that names its columns");
+    return "is empty; it must start with a line that names its columns";
   }
-  return refuse(
-      path.string(),
-      std::string(kind == CsvKind::Map ? "is a map, not scans" : "names no columns of scans") +
-          "; readings have pan_deg,tilt_deg,range_m and landmark lists scan,x_m,y_m[,diameter_m[,weight]]");
+  return std::string(kind == CsvKind::Map ? "is a map, not scans" : "names no columns of scans") +
+         "; readings have pan_deg,tilt_deg,range_m and landmark lists scan,x_m,y_m[,diameter_m[,weight]]";
 }
 
-Status add_csv(const Path& path, bool from_folder, ScanFiles& files) {
+Status add_csv(const Path& path, ScanFiles& files) {
   const auto kind = kind_of_file(path);
   if (!kind) {
     return tl::unexpected(kind.error());
   }
-  if (const auto scans = scan_kind(*kind)) {
-    files.scans.push_back({path, *scans});
-    return {};
+  const auto scans = scan_kind(*kind);
+  if (!scans) {
+    return refuse(path.string(), csv_reason(*kind));
   }
-  if (!from_folder || *kind == CsvKind::Empty) {
-    return refuse_csv(path, *kind);
-  }
-  files.ignored.push_back(path);
+  files.scans.push_back({path, *scans});
   return {};
 }
 
@@ -89,7 +84,7 @@ Status add_file(const Path& path, ScanFiles& files) {
     return {};
   }
   if (extension == ".csv") {
-    return add_csv(path, false, files);
+    return add_csv(path, files);
   }
   return refuse(
       path.string(),
@@ -97,19 +92,13 @@ Status add_file(const Path& path, ScanFiles& files) {
       "a recording, which begins as an LCM event log does");
 }
 
-// The regular .pcd and .csv files of a folder by name, so that the order does not depend on the file system.
+// All entries of a folder by name, so that the order does not depend on the file system.
 tl::expected<std::vector<Path>, InputError> list_folder(const Path& folder) {
   std::error_code error;
   std::vector<Path> paths;
   std::filesystem::directory_iterator entry(folder, error);
   for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
-    const Path& path = entry->path();
-    const std::string extension = lower_extension(path);
-    std::error_code ignored;
-    const bool hidden = path.filename().string().starts_with('.');
-    if (!hidden && (extension == ".pcd" || extension == ".csv") && entry->is_regular_file(ignored)) {
-      paths.push_back(path);
-    }
+    paths.push_back(entry->path());
   }
   if (error) {
     return refuse(folder.string(), "cannot be listed: " + error.message());
@@ -118,22 +107,85 @@ tl::expected<std::vector<Path>, InputError> list_folder(const Path& folder) {
   return paths;
 }
 
+// Files that people keep beside scans, by their names.
+bool is_companion(const Path& path) {
+  constexpr std::array<std::string_view, 16> kExtensions{".tum",  ".toml", ".md",  ".svg", ".nmea", ".json",
+                                                         ".yaml", ".yml",  ".png", ".jpg", ".jpeg", ".pdf",
+                                                         ".html", ".py",   ".sh",  ".log"};
+  const std::string stem = lower(path.stem().string());
+  return stem.starts_with("readme") || stem.starts_with("license") ||
+         std::find(kExtensions.begin(), kExtensions.end(), lower_extension(path)) != kExtensions.end();
+}
+
+// Why an entry of a folder is no file that may hold scans; nothing when it is one.
+std::optional<NotRead> not_scans(const Path& path) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (path.filename().string().starts_with('.')) {
+    return NotRead{path, "is hidden", NotReadKind::Companion};
+  }
+  if (std::filesystem::is_directory(status)) {
+    return NotRead{path, "is a folder in a folder; give it as an input of its own", NotReadKind::Missed};
+  }
+  if (!std::filesystem::is_regular_file(status)) {
+    const bool is_known = std::filesystem::status_known(status) && std::filesystem::exists(status);
+    return NotRead{path, is_known ? "is not a regular file" : "cannot be opened: " + error.message(),
+                   NotReadKind::Missed};
+  }
+  const std::string extension = lower_extension(path);
+  if (extension == ".pcd" || extension == ".csv") {
+    return std::nullopt;
+  }
+  if (is_companion(path)) {
+    return NotRead{path, "is not a scan by its name", NotReadKind::Companion};
+  }
+  return NotRead{path,
+                 extension == ".lcm" ? "is a recording by its name; replay it alone"
+                                     : "ends in neither .pcd nor .csv; convert it if it is a scan",
+                 NotReadKind::Missed};
+}
+
+void add_csv_of_folder(const Path& path, ScanFiles& files) {
+  const auto kind = kind_of_file(path);
+  if (!kind) {
+    const std::string prefix = path.string() + ": ";
+    const std::string& message = kind.error().message;
+    files.not_read.push_back(
+        {path, message.starts_with(prefix) ? message.substr(prefix.size()) : message, NotReadKind::Missed});
+  } else if (const auto scans = scan_kind(*kind)) {
+    files.scans.push_back({path, *scans});
+  } else {
+    files.not_read.push_back(
+        {path, csv_reason(*kind), *kind == CsvKind::Map ? NotReadKind::Companion : NotReadKind::Missed});
+  }
+}
+
+tl::unexpected<InputError> refuse_folder(const Path& folder, std::span<const NotRead> not_read) {
+  std::string what = "holds no scans; give a folder with .pcd clouds, or .csv readings or landmarks";
+  for (const NotRead& entry : not_read) {
+    what += "\n  " + entry.path.string() + ": " + entry.reason;
+  }
+  return refuse(folder.string(), what);
+}
+
 Status add_folder(const Path& folder, ScanFiles& files) {
   const auto paths = list_folder(folder);
   if (!paths) {
     return tl::unexpected(paths.error());
   }
-  const std::size_t before = files.scans.size();
+  const std::size_t scans_before = files.scans.size();
+  const std::size_t not_read_before = files.not_read.size();
   for (const Path& path : *paths) {
-    if (lower_extension(path) == ".pcd") {
+    if (auto entry = not_scans(path)) {
+      files.not_read.push_back(std::move(*entry));
+    } else if (lower_extension(path) == ".pcd") {
       files.scans.push_back({path, ScanFileKind::Cloud});
-    } else if (auto added = add_csv(path, true, files); !added) {
-      return added;
+    } else {
+      add_csv_of_folder(path, files);
     }
   }
-  if (files.scans.size() == before) {
-    return refuse(folder.string(),
-                  "holds no scans; give a folder with .pcd clouds, or .csv readings or landmarks");
+  if (files.scans.size() == scans_before) {
+    return refuse_folder(folder, std::span(files.not_read).subspan(not_read_before));
   }
   return {};
 }
@@ -157,34 +209,23 @@ Status add_input(const Path& path, ScanFiles& files) {
 
 CsvKind csv_kind(std::string_view text) {
   LineReader lines(text);
-  if (!lines.next()) {
+  const auto header = read_csv_header(lines);
+  if (!header) {
     return CsvKind::Empty;
   }
-  const std::string_view header = lines.line();
-  for (const std::string_view column : {"pan_deg", "tilt_deg", "range_m"}) {
-    if (names_column(header, column)) {
-      return CsvKind::Readings;
-    }
+  const auto names_column = [&](std::string_view column) {
+    return std::find(header->columns.begin(), header->columns.end(), column) != header->columns.end();
+  };
+  if (names_column("pan_deg") || names_column("tilt_deg") || names_column("range_m")) {
+    return CsvKind::Readings;
   }
-  if (!names_column(header, "x_m")) {
+  if (!names_column("x_m")) {
     return CsvKind::Other;
   }
-  if (names_column(header, "scan")) {
+  if (names_column("scan")) {
     return CsvKind::Landmarks;
   }
-  return names_column(header, "id") ? CsvKind::Map : CsvKind::Other;
-}
-
-std::optional<std::int64_t> scan_number(const Path& path) {
-  constexpr std::string_view kDigits = "0123456789";
-  const std::string stem = path.stem().string();
-  const std::size_t last = stem.find_last_of(kDigits);
-  if (last == std::string::npos) {
-    return std::nullopt;
-  }
-  const std::size_t before = stem.find_last_not_of(kDigits, last);
-  const std::size_t first = before == std::string::npos ? 0 : before + 1;
-  return parse_integer(std::string_view(stem).substr(first, last - first + 1));
+  return names_column("id") ? CsvKind::Map : CsvKind::Other;
 }
 
 tl::expected<ScanFiles, InputError> find_scan_files(std::span<const Path> inputs) {

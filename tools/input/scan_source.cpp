@@ -6,8 +6,10 @@
 #include "tools/input/pcd.hpp"
 #include "tools/input/readings_csv.hpp"
 #include "tools/input/scan_files.hpp"
+#include "tools/input/scan_names.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -22,7 +24,7 @@ constexpr double kStepMin_rad =
 
 // Where one scan is found: in a file of its own, or in the rows of a list.
 struct Entry {
-  std::int64_t number = 0;
+  ScanLabel label;
   std::string name;
   ScanFile file;
   std::vector<LandmarkRow> rows;  // of a list only
@@ -48,38 +50,44 @@ Status add_list(const ScanFile& file, const firmware::Config& config, std::vecto
     const std::int64_t number = first->scan;
     const auto last =
         std::find_if(first, list->rows.end(), [&](const LandmarkRow& row) { return row.scan != number; });
-    entries.push_back({number, name + ": scan " + std::to_string(number), file, {first, last}});
+    entries.push_back({{number, std::chrono::seconds(number)},
+                       name + ": scan " + std::to_string(number),
+                       file,
+                       {first, last}});
     first = last;
   }
   return {};
 }
 
-// A file's own scan. One that comes alone needs no number.
-Status add_scan(const ScanFile& file, bool alone, std::vector<Entry>& entries) {
-  const std::string name = file.path.string();
-  const std::string stem = file.path.stem().string();
-  const bool has_digits = stem.find_first_of("0123456789") != std::string::npos;
-  const std::optional<std::int64_t> number =
-      alone && !has_digits ? std::optional<std::int64_t>(0) : scan_number(file.path);
-  if (!number || *number > kScanNumberMax) {
-    return refuse(
-        name, std::string(has_digits ? "the number in its name is too large" : "has no number in its name") +
-                  "; rename it to end in the scan's number, 0 to " + std::to_string(kScanNumberMax));
+// The scans that have a file of their own, and which rule of their names orders them.
+tl::expected<std::string, InputError> add_scans(const std::vector<ScanFile>& files,
+                                                std::vector<Entry>& entries) {
+  std::vector<std::filesystem::path> paths;
+  for (const ScanFile& file : files) {
+    paths.push_back(file.path);
   }
-  entries.push_back({*number, name, file, {}});
-  return {};
+  auto labels = label_scans(paths);
+  if (!labels) {
+    return tl::unexpected(std::move(labels.error()));
+  }
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    entries.push_back({labels->labels[i], files[i].path.string(), files[i], {}});
+  }
+  return std::move(labels->rule);
 }
 
-// Puts the entries in the order of their numbers, each of which may occur once.
+// Puts the entries in the order of their times. Each number may occur once.
 Status order_entries(std::vector<Entry>& entries) {
-  std::stable_sort(entries.begin(), entries.end(),
-                   [](const Entry& a, const Entry& b) { return a.number < b.number; });
+  const auto is_less = [](const Entry& a, const Entry& b) { return a.label.number < b.label.number; };
+  std::stable_sort(entries.begin(), entries.end(), is_less);
   const auto same = std::adjacent_find(entries.begin(), entries.end(),
-                                       [](const Entry& a, const Entry& b) { return a.number == b.number; });
+                                       [&](const Entry& a, const Entry& b) { return !is_less(a, b); });
   if (same != entries.end()) {
-    return refuse(std::next(same)->name, "has the scan number " + std::to_string(same->number) + ", as has " +
-                                             same->name + "; rename one or leave one out");
+    return refuse(std::next(same)->name, "has the scan number " + std::to_string(same->label.number) +
+                                             ", as has " + same->name + "; rename one or leave one out");
   }
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const Entry& a, const Entry& b) { return a.label.time < b.label.time; });
   return {};
 }
 
@@ -97,9 +105,12 @@ Status check_steps(const firmware::Config& config) {
 
 class FileScanSource final : public ScanSource {
  public:
-  FileScanSource(std::vector<Entry> entries, std::vector<std::filesystem::path> ignored,
+  FileScanSource(std::vector<Entry> entries, std::vector<NotRead> not_read, std::string order,
                  const firmware::Config& config)
-      : entries_(std::move(entries)), ignored_(std::move(ignored)), config_(config) {}
+      : entries_(std::move(entries)),
+        not_read_(std::move(not_read)),
+        order_(std::move(order)),
+        config_(config) {}
 
   std::size_t count() const override { return entries_.size(); }
 
@@ -109,7 +120,8 @@ class FileScanSource final : public ScanSource {
     }
     const Entry& entry = entries_[at_++];
     InputScan scan;
-    scan.number = entry.number;
+    scan.number = entry.label.number;
+    scan.time = entry.label.time;
     scan.name = entry.name;
     if (Status loaded = load(entry, scan); !loaded) {
       return tl::unexpected(std::move(loaded.error()));
@@ -117,7 +129,8 @@ class FileScanSource final : public ScanSource {
     return std::optional<InputScan>(std::move(scan));
   }
 
-  std::span<const std::filesystem::path> ignored() const override { return ignored_; }
+  std::span<const NotRead> not_read() const override { return not_read_; }
+  const std::string& order() const override { return order_; }
 
  private:
   Status load(const Entry& entry, InputScan& scan) const {
@@ -151,7 +164,8 @@ class FileScanSource final : public ScanSource {
   }
 
   std::vector<Entry> entries_;
-  std::vector<std::filesystem::path> ignored_;
+  std::vector<NotRead> not_read_;
+  std::string order_;
   firmware::Config config_;
   std::size_t at_ = 0;
 };
@@ -168,17 +182,23 @@ tl::expected<std::unique_ptr<ScanSource>, InputError> open_scans(
     return tl::unexpected(std::move(files.error()));
   }
   std::vector<Entry> entries;
+  std::vector<ScanFile> own_files;
   for (const ScanFile& file : files->scans) {
-    auto added = file.kind == ScanFileKind::Landmarks ? add_list(file, config, entries)
-                                                      : add_scan(file, files->scans.size() == 1, entries);
-    if (!added) {
+    if (file.kind != ScanFileKind::Landmarks) {
+      own_files.push_back(file);
+    } else if (auto added = add_list(file, config, entries); !added) {
       return tl::unexpected(std::move(added.error()));
     }
+  }
+  auto order = add_scans(own_files, entries);
+  if (!order) {
+    return tl::unexpected(std::move(order.error()));
   }
   if (auto ordered = order_entries(entries); !ordered) {
     return tl::unexpected(std::move(ordered.error()));
   }
-  return std::make_unique<FileScanSource>(std::move(entries), std::move(files->ignored), config);
+  return std::make_unique<FileScanSource>(std::move(entries), std::move(files->not_read), std::move(*order),
+                                          config);
 }
 
 }  // namespace slamsensor::tools

@@ -3,6 +3,7 @@
 #include "firmware/config/config.hpp"
 #include "tools/input/input_error.hpp"
 #include "tools/input/input_scan.hpp"
+#include "tools/input/scan_files.hpp"
 
 #include <tl/expected.hpp>
 
@@ -11,11 +12,12 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 
 namespace slamsensor::tools {
 
-/// The scans of one or more inputs, by increasing number, one at a time: a cloud or a file of readings is in
-/// memory only while it is handed out. One thread.
+/// The scans of one or more inputs, in the order of their times, one at a time: a cloud or a file of readings
+/// is in memory only while it is handed out. One thread.
 class ScanSource {
  public:
   ScanSource() = default;
@@ -30,16 +32,18 @@ class ScanSource {
   /// with the one that follows.
   [[nodiscard]] virtual tl::expected<std::optional<InputScan>, InputError> next() = 0;
 
-  /// Files of the given folders that end in .csv but hold no scans (a map, or columns that are none of ours).
-  [[nodiscard]] virtual std::span<const std::filesystem::path> ignored() const = 0;
+  /// The entries of the given folders that are not read, and why.
+  [[nodiscard]] virtual std::span<const NotRead> not_read() const = 0;
+
+  /// How the names of the files gave the order of the scans, in one line; empty where no order was needed.
+  [[nodiscard]] virtual const std::string& order() const = 0;
 };
 
 /// Opens what `slamsensor replay` takes (DESIGN 6): files, or folders of files, of point clouds (.pcd),
-/// readings (.csv) and landmark lists (.csv; the kind is told from the header). A scan's number is the last
-/// run of digits in its file's stem, or the list's scan column; a single file needs none and is scan 0. Of a
-/// folder, hidden files, sub-folders and files that are not scans are left alone. An error when a path does
-/// not exist, a folder holds no scan, a number is missing or taken twice, a landmark list is malformed, or a
-/// step in `config` is not positive.
+/// readings (.csv) and landmark lists (.csv; the kind is told from the header). A scan's number and time come
+/// from its file's name (label_scans), or from the list's scan column. An error when a path does not exist, a
+/// folder holds no scan, a number is missing or taken twice, a landmark list is malformed, or a step in
+/// `config` is not positive.
 [[nodiscard]] tl::expected<std::unique_ptr<ScanSource>, InputError> open_scans(
     std::span<const std::filesystem::path> inputs, const firmware::Config& config);
 

@@ -68,7 +68,11 @@ bool LineReader::next() {
   while (at_ < text_.size()) {
     const std::size_t end = text_.find('\n', at_);
     ended_ = end != std::string_view::npos;
-    line_ = trim(text_.substr(at_, (ended_ ? end : text_.size()) - at_));
+    whole_line_ = text_.substr(at_, (ended_ ? end : text_.size()) - at_);
+    if (whole_line_.ends_with('\r')) {
+      whole_line_.remove_suffix(1);
+    }
+    line_ = trim(whole_line_);
     at_ = ended_ ? end + 1 : text_.size();
     ++number_;
     if (!line_.empty() && line_.front() != '#') {
@@ -76,6 +80,7 @@ bool LineReader::next() {
     }
   }
   line_ = {};
+  whole_line_ = {};
   return false;
 }
 

@@ -32,8 +32,9 @@ class LineReader {
   /// Moves on to the next line; false at the end of the text.
   [[nodiscard]] bool next();
 
-  [[nodiscard]] std::string_view line() const { return line_; }  ///< trimmed, never empty
-  [[nodiscard]] std::size_t number() const { return number_; }   ///< of `line()`
+  [[nodiscard]] std::string_view line() const { return line_; }              ///< trimmed, never empty
+  [[nodiscard]] std::string_view whole_line() const { return whole_line_; }  ///< `line()` with its blanks
+  [[nodiscard]] std::size_t number() const { return number_; }               ///< of `line()`
   [[nodiscard]] std::size_t consumed_bytes() const {
     return at_;
   }                                                    ///< of the text, up to the start of the next line
@@ -44,6 +45,7 @@ class LineReader {
   std::size_t at_ = 0;
   std::size_t number_;
   std::string_view line_;
+  std::string_view whole_line_;
   bool ended_ = false;
 };
 

@@ -75,6 +75,9 @@ tl::expected<Row, InputError> parse_row(std::string_view line, std::string_view 
 }  // namespace
 
 tl::expected<std::vector<TimedPose>, InputError> parse_tum(std::string_view text, std::string_view name) {
+  if (auto checked = check_encoding(text, name); !checked) {
+    return tl::unexpected(std::move(checked.error()));
+  }
   std::vector<Row> rows;
   LineReader lines(text);
   while (lines.next()) {

@@ -8,15 +8,15 @@
 namespace slamsensor::tools {
 namespace {
 
-/// A scan from a file has no clock: its number stands for the seconds.
-core::ScanTime time_of(std::int64_t number) {
-  const std::chrono::nanoseconds at = std::chrono::seconds(number);
-  return {at, at, at, at};
+core::Fix localise(const InputScan& scan, firmware::Pipeline& pipeline) {
+  const core::ScanTime time{scan.time, scan.time, scan.time, scan.time};
+  return scan.is_landmark_list ? pipeline.process_landmarks(scan.landmarks, time, {})
+                               : pipeline.process(scan.scanlines, time, {});
 }
 
-core::Fix localise(const InputScan& scan, firmware::Pipeline& pipeline) {
-  return scan.is_landmark_list ? pipeline.process_landmarks(scan.landmarks, time_of(scan.number), {})
-                               : pipeline.process(scan.scanlines, time_of(scan.number), {});
+/// As trajectories and truths count time.
+double seconds_of(std::chrono::nanoseconds time) {
+  return std::chrono::duration<double>(time).count();
 }
 
 }  // namespace
@@ -29,6 +29,8 @@ tl::expected<Replay, InputError> replay(const std::vector<std::filesystem::path>
   }
   ReplayRun run(config);
   Replay& result = run.result();
+  result.order = (*source)->order();
+  result.not_read.assign((*source)->not_read().begin(), (*source)->not_read().end());
   for (;;) {
     const auto scan = (*source)->next();
     if (!scan) {
@@ -42,8 +44,8 @@ tl::expected<Replay, InputError> replay(const std::vector<std::filesystem::path>
     if (!(*scan)->remark.empty()) {
       result.notes.push_back((*scan)->remark);
     }
-    const FixRow& row = run.add((*scan)->number, static_cast<double>((*scan)->number),
-                                [&] { return localise(**scan, run.pipeline()); });
+    const FixRow& row =
+        run.add((*scan)->number, seconds_of((*scan)->time), [&] { return localise(**scan, run.pipeline()); });
     if (progress) {
       progress(result.rows.size() + result.refused.size(), (*source)->count(), row);
     }

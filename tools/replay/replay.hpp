@@ -3,6 +3,7 @@
 #include "core/mapping/hypothesis_set.hpp"
 #include "firmware/config/config.hpp"
 #include "tools/input/input_error.hpp"
+#include "tools/input/scan_files.hpp"
 #include "tools/output/fixes_csv.hpp"
 #include "tools/output/map_csv.hpp"
 
@@ -24,6 +25,8 @@ struct Replay {
   std::vector<MapRow> map;           ///< of the best hypothesis at the end
   std::vector<bool> matched;         ///< per landmark of `map`: by the last scan that has a fix
   std::vector<std::string> refused;  ///< messages of the scans that could not be read
+  std::vector<NotRead> not_read;     ///< entries of the input folders
+  std::string order;                 ///< how the files' names gave the order of the scans; may be empty
   std::vector<std::string> notes;    ///< what else is to be known, as how a recording ended
   bool is_damaged = false;           ///< of a recording: not all of it could be played
   std::uint64_t fixes_compared = 0;  ///< of a recording: with those that were sent when it was made
@@ -39,7 +42,7 @@ struct Replay {
 /// Told after every scan; `total` scans in all.
 using ReplayProgress = std::function<void(std::size_t done, std::size_t total, const FixRow& row)>;
 
-/// Runs the scans of `inputs` (DESIGN 6), in the order of their numbers, through the pipeline with `config`.
+/// Runs the scans of `inputs` (DESIGN 6), in the order of their times, through the pipeline with `config`.
 /// A scan that cannot be read is refused and the run goes on; inputs that cannot be opened are an error.
 /// Times are measured with the steady clock; everything else depends on the inputs alone.
 [[nodiscard]] tl::expected<Replay, InputError> replay(const std::vector<std::filesystem::path>& inputs,

@@ -144,6 +144,12 @@ tl::expected<void, OutputError> write_replay(const Replay& replay, const firmwar
           [&] { return write_file(folder / "plot.svg", draw_map(plot_of(replay, truth, evaluation))); });
 }
 
+bool is_incomplete(const Replay& replay) {
+  return !replay.refused.empty() || replay.is_damaged ||
+         std::any_of(replay.not_read.begin(), replay.not_read.end(),
+                     [](const NotRead& entry) { return entry.kind == NotReadKind::Missed; });
+}
+
 std::string replay_summary(const Replay& replay) {
   const std::size_t fixes = count_of(replay, core::FixStatus::Fix);
   const double share = replay.rows.empty()
@@ -151,6 +157,8 @@ std::string replay_summary(const Replay& replay) {
                            : 100.0 * static_cast<double>(fixes) / static_cast<double>(replay.rows.size());
   return text("scans            %zu%s\n", replay.rows.size(),
               replay.refused.empty() ? "" : text(" (and %zu refused)", replay.refused.size()).c_str()) +
+         (replay.order.empty() ? "" : "order            " + replay.order + '\n') +
+         (replay.not_read.empty() ? "" : text("entries not read %zu\n", replay.not_read.size())) +
          text("fixes            %zu (%.1f %%)\n", fixes, share) +
          text("ambiguous        %zu\n", count_of(replay, core::FixStatus::Ambiguous)) +
          text("no fix           %zu\n", count_of(replay, core::FixStatus::NoFix)) + reasons_text(replay) +

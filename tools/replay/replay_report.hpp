@@ -22,7 +22,11 @@ namespace slamsensor::tools {
     const Replay& replay, const firmware::Config& config, std::span<const TimedPose> truth,
     const std::optional<Evaluation>& evaluation, MeasuredTimes times, const std::filesystem::path& folder);
 
-/// What happened, for people: scans, fixes, reasons, map, times, and every counter that is not zero.
+/// Whether something that may have been a scan was not replayed: refused, damaged or not read.
+[[nodiscard]] bool is_incomplete(const Replay& replay);
+
+/// What happened, for people: scans, how they were ordered, what was not read, fixes, reasons, map, times,
+/// and every counter that is not zero.
 [[nodiscard]] std::string replay_summary(const Replay& replay);
 
 }  // namespace slamsensor::tools

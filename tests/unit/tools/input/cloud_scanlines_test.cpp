@@ -57,9 +57,24 @@ TEST(CloudScanlines, WithoutRingsOneForEachStepOfElevation) {
   }
   const auto scanlines = scanlines_of_cloud(cloud, only_points(), kStep_rad, "c").value();
   ASSERT_EQ(scanlines.size(), 3U);
-  EXPECT_NEAR(scanlines[0][0].tilt_rad, -0.2 * kDegree, 1e-12);
-  EXPECT_EQ(scanlines[1].size(), 2U);
+  EXPECT_EQ(scanlines[0].size(), 2U);
+  EXPECT_NEAR(scanlines[1][0].tilt_rad, 0.4 * kDegree, 1e-12);
   EXPECT_NEAR(scanlines[2][0].tilt_rad, 1.1 * kDegree, 1e-12);
+}
+
+// As in a cloud of floats that was moved to its map and back.
+TEST(CloudScanlines, RoundingScattersNoScanlineAtAMultipleOfTheStep) {
+  PointCloud cloud;
+  for (const double tilt_deg : {-2.0, -1.5, 0.0, 0.5}) {
+    for (const double rounding : {-1e-6, 0.0, 1e-6}) {
+      cloud.points.push_back({10.0 * direction(1.0, (tilt_deg + rounding) * kDegree), 0});
+    }
+  }
+  const auto scanlines = scanlines_of_cloud(cloud, only_points(), kStep_rad, "c").value();
+  ASSERT_EQ(scanlines.size(), 4U);
+  for (const auto& scanline : scanlines) {
+    EXPECT_EQ(scanline.size(), 3U);
+  }
 }
 
 TEST(CloudScanlines, TheAttitudeIsTakenOut) {

@@ -33,6 +33,47 @@ TEST(Csv, FindsColumnsByNameInAnyOrder) {
   EXPECT_FALSE(csv->next().value());
 }
 
+// The same two rows as programs and spreadsheets of several countries save them.
+TEST(Csv, ReadsWhatSpreadsheetsWrite) {
+  for (const std::string_view text : {
+           "a,b,c\n1.5,-20,\n2,3,4\n",
+           "\xEF\xBB\xBF\"a\",\"b\",\"c\"\r\n\"1.5\",\"-20\",\"\"\r\n\"2\",\"3\",\"4\"\r\n",
+           "a;b;c\r\n1,5;-20;\r\n2;3,0;4\r\n",
+           "sep=;\r\na;b;c\r\n\"1,5\";-2e1;\r\n2;3;4\r\n",
+           "a\tb\tc\n1,5\t-20\t\n2\t3\t4\n",
+           "sep=\t\n a \t \"b\"\tc\n1.5\t-20\t\n2\t3\t4",
+       }) {
+    auto csv = CsvReader::open(text, "f.csv", kColumns, CsvOthers::Refused);
+    ASSERT_TRUE(csv) << text;
+    ASSERT_TRUE(csv->next().value()) << text;
+    EXPECT_EQ(csv->number(0, {0, 10, ""}).value(), 1.5) << text;
+    EXPECT_EQ(csv->number(1, {-50, 10, ""}).value(), -20.0) << text;
+    EXPECT_EQ(csv->text(2), "") << text;
+    ASSERT_TRUE(csv->next().value()) << text;
+    EXPECT_EQ(csv->number(1, {0, 10, ""}).value(), 3.0) << text;
+    EXPECT_EQ(csv->whole_number(2, 10).value(), 4) << text;
+    EXPECT_FALSE(csv->next().value()) << text;
+  }
+}
+
+TEST(Csv, NamesWhatItCannotRead) {
+  EXPECT_THAT(open_error(std::string_view("\xFF\xFE"
+                                          "a\0,\0b\0",
+                                          8)),
+              HasSubstr("f.csv: is text in UTF-16"));
+  EXPECT_THAT(open_error(std::string_view("\0a\0,\0b", 6)), HasSubstr("UTF-16"));
+  const auto first_number_error = [](std::string_view text) {
+    auto csv = CsvReader::open(text, "f.csv", kColumns, CsvOthers::Refused);
+    const auto row = csv->next();
+    return !row ? row.error().message : csv->number(0, {0, 1e9, ""}).error().message;
+  };
+  EXPECT_THAT(first_number_error("a,b\n1,5,2\n"), HasSubstr("3 fields where the header has 2"));
+  EXPECT_THAT(first_number_error("a,b\n\"1,5\",2\n"), HasSubstr("a is '1,5'"));
+  EXPECT_THAT(first_number_error("a;b\n1.234,5;2\n"), HasSubstr("a is '1.234,5'"));
+  EXPECT_THAT(first_number_error("a;b\n1,234,567;2\n"), HasSubstr("a is '1,234,567'"));
+  EXPECT_THAT(first_number_error("a,b\n\"1\"\"\",2\n"), HasSubstr("a is '1\"\"'"));
+}
+
 TEST(Csv, SaysWhatIsWrongWithAHeader) {
   EXPECT_THAT(open_error(""), AllOf(HasSubstr("f.csv"), HasSubstr("empty"), HasSubstr("a,b,c (optional)")));
   EXPECT_THAT(open_error("a,c\n"), AllOf(HasSubstr("f.csv:1"), HasSubstr("no column b")));

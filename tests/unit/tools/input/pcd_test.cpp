@@ -188,7 +188,7 @@ TEST(Pcd, ReadsWhatIsDeclaredWhateverTheWriterLeftBehindIt) {
   const std::string page(4096 - points.size(), '\0');
   for (const std::string& left : {std::string("\n"), page, std::string("\r\n"), page + "\n"}) {
     for (const std::string& bytes :
-         {pcd_xyz(2, "binary", points + left), pcd_xyz(2, "ascii", "1 2 3\n4 5 6" + left),
+         {pcd_xyz(2, "binary", points + left), pcd_xyz(2, "ascii", "1 2 3\n4 5 6\n" + left),
           pcd_xyz(2, "binary_compressed", compressed_body(columns) + left)}) {
       const PointCloud cloud = cloud_of(bytes);
       ASSERT_EQ(cloud.points.size(), 2U);

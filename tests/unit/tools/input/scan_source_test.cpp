@@ -40,14 +40,6 @@ std::vector<std::int64_t> numbers_of(const std::vector<path>& inputs, const firm
   return numbers;
 }
 
-TEST(ScanNumber, IsTheLastRunOfDigitsInTheStem) {
-  EXPECT_EQ(scan_number("site2/scan_0012.pcd"), 12);
-  EXPECT_EQ(scan_number("a1b22c.pcd"), 22);
-  EXPECT_EQ(scan_number("7.csv"), 7);
-  EXPECT_FALSE(scan_number("12/cloud.pcd"));
-  EXPECT_FALSE(scan_number("99999999999999999999.pcd"));
-}
-
 TEST(CsvKind, IsToldFromTheHeader) {
   EXPECT_EQ(csv_kind("# c\r\n\r\n pan_deg,tilt_deg,range_m\r\n"), CsvKind::Readings);
   EXPECT_EQ(csv_kind("range_m,pan_deg\n"), CsvKind::Readings) << "the reader then says what is missing";
@@ -55,6 +47,9 @@ TEST(CsvKind, IsToldFromTheHeader) {
   EXPECT_EQ(csv_kind(kMap), CsvKind::Map);
   EXPECT_EQ(csv_kind("x,y\n"), CsvKind::Other);
   EXPECT_EQ(csv_kind("# only a comment"), CsvKind::Empty);
+  EXPECT_EQ(csv_kind("\xEF\xBB\xBF\"pan_deg\";\"tilt_deg\";\"range_m\"\r\n"), CsvKind::Readings);
+  EXPECT_EQ(csv_kind("sep=;\r\nscan;x_m;y_m\r\n"), CsvKind::Landmarks);
+  EXPECT_EQ(csv_kind("id\tx_m\ty_m\n"), CsvKind::Map);
 }
 
 TEST(ScanSource, OrdersAFolderByNumberNotByName) {
@@ -66,8 +61,47 @@ TEST(ScanSource, OrdersAFolderByNumberNotByName) {
   }
   folder.write("sub/s_5.pcd", kCloud);
   EXPECT_THAT(numbers_of({folder.path()}), ElementsAre(2, 9, 10));
+}
+
+TEST(ScanSource, NamesEveryEntryOfAFolderThatItDoesNotRead) {
+  const TempFolder folder;
+  folder.write("s_1.pcd", kCloud);
+  folder.write("s_2.xyz", "1 2 3");
+  folder.write("s_3.csv", "x,y,z\n1,2,3\n");
+  folder.write("s_4.csv", "");
+  folder.write("s_5.csv", std::string("\xFF\xFEp\0a\0n\0", 8));
+  folder.write("drive.lcm", "");
+  folder.write("sub/s_6.pcd", kCloud);
+  std::filesystem::create_symlink(folder.path() / "gone", folder.path() / "s_7.pcd");
+  folder.write("truth.tum", "");
+  folder.write("map.csv", kMap);
+  folder.write(".s_8.pcd", kCloud);
+  folder.write("ReadMe.txt", "");
   const auto source = open_scans(std::vector<path>{folder.path()}, {});
-  EXPECT_THAT((*source)->ignored(), ElementsAre(folder.path() / "reference.csv"));
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_EQ((*source)->count(), 1U);
+  std::vector<std::string> missed, companions;
+  for (const NotRead& entry : (*source)->not_read()) {
+    EXPECT_FALSE(entry.reason.empty());
+    (entry.kind == NotReadKind::Missed ? missed : companions).push_back(entry.path.filename().string());
+    if (entry.path.filename() == "s_5.csv") {
+      EXPECT_THAT(entry.reason, AllOf(HasSubstr("UTF-16"), testing::Not(HasSubstr("s_5.csv"))));
+    }
+  }
+  EXPECT_THAT(missed, ElementsAre("drive.lcm", "s_2.xyz", "s_3.csv", "s_4.csv", "s_5.csv", "s_7.pcd", "sub"));
+  EXPECT_THAT(companions, ElementsAre(".s_8.pcd", "ReadMe.txt", "map.csv", "truth.tum"));
+}
+
+TEST(ScanSource, StampsInNamesOrderTheScansAndAreTheirTimes) {
+  const TempFolder folder;
+  folder.write("1600000001.900000000.pcd", kCloud);
+  folder.write("1600000001.095000000.pcd", kCloud);
+  folder.write("1600000000.500000000.pcd", kCloud);
+  auto source = open_scans(std::vector<path>{folder.path()}, {}).value();
+  EXPECT_THAT(source->order(), HasSubstr("by the time stamp"));
+  for (const std::int64_t time_ms : {1'600'000'000'500, 1'600'000'001'095, 1'600'000'001'900}) {
+    EXPECT_EQ(source->next().value()->time, std::chrono::milliseconds(time_ms));
+  }
 }
 
 TEST(ScanSource, GivesScanlinesOfCloudsAndReadingsAndLandmarksOfLists) {

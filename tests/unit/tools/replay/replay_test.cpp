@@ -117,6 +117,36 @@ TEST_F(ReplayTest, ABrokenScanIsRefusedAndTheRestGoesOn) {
   EXPECT_NE(replay_summary(*result).find("and 1 refused"), std::string::npos);
 }
 
+TEST_F(ReplayTest, TheStampInAFilesNameIsItsTimeInEveryOutput) {
+  const std::string readings = "pan_deg,tilt_deg,range_m\n0,0,5\n1,0,5\n";
+  write("1600000002.050000000.csv", readings);
+  write("1600000001.900000000.csv", readings);
+  const auto result = replay({folder_}, config_);
+  ASSERT_TRUE(result) << result.error().message;
+  ASSERT_EQ(result->rows.size(), 2U);
+  EXPECT_DOUBLE_EQ(result->rows[0].t_s, 1600000001.9);
+  EXPECT_EQ(result->rows[1].fix.time.middle_utc, std::chrono::milliseconds(1'600'000'002'050));
+  EXPECT_NE(replay_summary(*result).find("order            by the time stamp"), std::string::npos);
+  ASSERT_TRUE(write_replay(*result, config_, {}, std::nullopt, MeasuredTimes::Empty, folder_ / "out"));
+  EXPECT_NE(read(folder_ / "out/track.nmea").find(",122641.90,"), std::string::npos);
+  EXPECT_NE(read(folder_ / "out/fixes.csv").find(",1600000002.05,"), std::string::npos);
+}
+
+TEST_F(ReplayTest, WhatAFolderHoldsBesideScansIsCountedAndMayMakeTheRunIncomplete) {
+  const std::string readings = "pan_deg,tilt_deg,range_m\n0,0,5\n1,0,5\n";
+  write("scan_1.csv", readings);
+  write("truth.tum", "");
+  auto result = replay({folder_}, config_);
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_FALSE(is_incomplete(*result));
+  EXPECT_NE(replay_summary(*result).find("entries not read 1\n"), std::string::npos);
+  write("scan_2.csv", "\"pan\";\"tilt\";\"range\"\n0;0;5\n");
+  result = replay({folder_}, config_);
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_TRUE(is_incomplete(*result));
+  EXPECT_NE(replay_summary(*result).find("entries not read 2\n"), std::string::npos);
+}
+
 TEST_F(ReplayTest, NothingToReplayIsAnError) {
   EXPECT_FALSE(replay({folder_}, config_));
   EXPECT_FALSE(replay({folder_ / "absent"}, config_));

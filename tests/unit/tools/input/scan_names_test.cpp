@@ -1,0 +1,110 @@
+#include "tools/input/scan_names.hpp"
+
+#include "tools/input/input_scan.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace slamsensor::tools {
+namespace {
+
+using std::chrono::nanoseconds;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using Paths = std::vector<std::filesystem::path>;
+
+std::vector<std::int64_t> numbers(const Paths& files) {
+  const auto labels = label_scans(files);
+  EXPECT_TRUE(labels) << labels.error().message;
+  std::vector<std::int64_t> result;
+  for (const ScanLabel& label : labels->labels) {
+    result.push_back(label.number);
+  }
+  return result;
+}
+
+std::vector<std::int64_t> times_ns(const Paths& files) {
+  const auto labels = label_scans(files);
+  EXPECT_TRUE(labels) << labels.error().message;
+  std::vector<std::int64_t> result;
+  for (const ScanLabel& label : labels->labels) {
+    result.push_back(label.time.count());
+  }
+  return result;
+}
+
+std::string error_of(const Paths& files) {
+  const auto labels = label_scans(files);
+  return labels ? "" : labels.error().message;
+}
+
+TEST(ScanNames, StampsGiveTheTimeAndTheOrderOfTime) {
+  const Paths files{"a/1600000002.050000000.pcd", "a/1600000001.900000001.pcd", "a/1600000003.000000000.pcd"};
+  EXPECT_THAT(numbers(files), ElementsAre(1, 0, 2));
+  EXPECT_THAT(times_ns(files),
+              ElementsAre(1'600'000'002'050'000'000, 1'600'000'001'900'000'001, 1'600'000'003'000'000'000));
+  EXPECT_THAT(label_scans(files)->rule,
+              AllOf(HasSubstr("time stamp"), HasSubstr("1600000001.900000001 to 1600000003.000000000")));
+}
+
+TEST(ScanNames, ReadsTheStampsThatRecordersWrite) {
+  EXPECT_THAT(times_ns({"cloud_1600000001_619875000.pcd"}), ElementsAre(1'600'000'001'619'875'000));
+  EXPECT_THAT(times_ns({"7-1600000001-619875000-raw.csv"}), ElementsAre(1'600'000'001'619'875'000));
+  EXPECT_THAT(times_ns({"1600000001619.pcd"}), ElementsAre(1'600'000'001'619'000'000));
+  EXPECT_THAT(times_ns({"1600000001619875.pcd"}), ElementsAre(1'600'000'001'619'875'000));
+  EXPECT_THAT(times_ns({"1600000001619875123.pcd"}), ElementsAre(1'600'000'001'619'875'123));
+  EXPECT_THAT(times_ns({"left_1600000002.5.pcd", "right_1600000001.25.pcd"}),
+              ElementsAre(1'600'000'002'500'000'000, 1'600'000'001'250'000'000))
+      << "decimals without trailing zeros";
+}
+
+TEST(ScanNames, NanosecondsWithoutLeadingZerosAreToldFromDecimals) {
+  const Paths files{"1600000001.5000000.pcd", "1600000001.120000000.pcd", "1600000001.999999990.pcd"};
+  EXPECT_THAT(times_ns(files),
+              ElementsAre(1'600'000'001'005'000'000, 1'600'000'001'120'000'000, 1'600'000'001'999'999'990));
+  EXPECT_THAT(label_scans(files)->rule, HasSubstr("without leading zeros"));
+}
+
+TEST(ScanNames, TheNumberIsTheOneThatDiffers) {
+  EXPECT_THAT(numbers({"frame_000012_os1.pcd", "frame_000003_os1.pcd"}), ElementsAre(12, 3));
+  EXPECT_THAT(numbers({"os2_9.pcd", "os2_10.pcd", "os2_011.pcd"}), ElementsAre(9, 10, 11));
+  EXPECT_THAT(times_ns({"s_2_x3.csv", "s_1_x3.csv"}), ElementsAre(2'000'000'000, 1'000'000'000));
+  EXPECT_THAT(label_scans(Paths{"f_1_os1.pcd", "f_2_os1.pcd"})->rule, HasSubstr("by the number"));
+}
+
+TEST(ScanNames, OfSeveralNumbersTheLeftmostComesFirst) {
+  EXPECT_THAT(numbers({"frame_12_os2.pcd", "frame_9_os7.pcd"}), ElementsAre(12, 9));
+  EXPECT_THAT(numbers({"run2_scan1.pcd", "run1_scan10.pcd", "run1_scan9.pcd"}), ElementsAre(2, 1, 0));
+  EXPECT_THAT(label_scans(Paths{"r2_1.pcd", "r1_1.pcd", "r1_2.pcd"})->rule, HasSubstr("all numbers"));
+  EXPECT_THAT(error_of({"a/r2_1.pcd", "b/r2_1.pcd", "a/r1_2.pcd"}),
+              AllOf(HasSubstr("a/r2_1.pcd"), HasSubstr("b/r2_1.pcd")));
+}
+
+TEST(ScanNames, DifferentWordsLeaveTheLastNumber) {
+  EXPECT_THAT(numbers({"s_10.pcd", "t_002.csv", "a1b22c.pcd"}), ElementsAre(10, 2, 22));
+  EXPECT_THAT(error_of({"a_7.pcd", "b_07.pcd"}), AllOf(HasSubstr("a_7.pcd"), HasSubstr("b_07.pcd")));
+}
+
+TEST(ScanNames, AloneAFileNeedsNoNumber) {
+  EXPECT_THAT(numbers({"cloud.pcd"}), ElementsAre(0));
+  EXPECT_THAT(numbers({"frame_000012_os1.pcd"}), ElementsAre(12));
+  EXPECT_THAT(numbers({"site2/scan_0012.pcd"}), ElementsAre(12));
+  EXPECT_THAT(error_of({"12/cloud.pcd", "s_1.pcd"}), HasSubstr("12/cloud.pcd: has no number in its name"));
+  for (const char* name : {"s_9000000001.pcd", "99999999999999999999.pcd", "9999999999.999999999.pcd"}) {
+    EXPECT_THAT(error_of({name}), HasSubstr("too large")) << name;
+  }
+  EXPECT_TRUE(label_scans({})->labels.empty());
+}
+
+TEST(ScanNames, RefusesStampsThatOnlySomeNamesHave) {
+  EXPECT_THAT(error_of({"1600000001.5.pcd", "scan_3.pcd"}), HasSubstr("scan_3.pcd: has no time stamp"));
+  EXPECT_THAT(error_of({"a_1600000001.50.pcd", "b_1600000001.500.pcd"}),
+              AllOf(HasSubstr("the time stamp 1600000001.500000000"), HasSubstr("rename one")));
+}
+
+}  // namespace
+}  // namespace slamsensor::tools

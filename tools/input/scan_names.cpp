@@ -1,0 +1,333 @@
+#include "tools/input/scan_names.hpp"
+
+#include "tools/input/input_scan.hpp"
+#include "tools/input/text.hpp"
+#include "tools/output/number_text.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <string_view>
+#include <utility>
+
+namespace slamsensor::tools {
+namespace {
+
+using std::chrono::nanoseconds;
+using Path = std::filesystem::path;
+using Numbers = std::vector<std::int64_t>;
+
+constexpr std::size_t kSecondsDigitsMin = 9;  // of a time since 1970; fewer are a counter or a date
+constexpr std::size_t kFractionDigits = 9;
+
+// A name in its digits and what stands between them: words[0] runs[0] words[1] ... words[n].
+struct Parts {
+  std::vector<std::string> words;
+  std::vector<std::string> runs;
+};
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+Parts parts_of(const Path& file) {
+  Parts parts{{""}, {}};
+  bool in_run = false;
+  for (const char c : file.stem().string()) {
+    if (!is_digit(c)) {
+      if (in_run) parts.words.emplace_back();
+      parts.words.back() += c;
+    } else {
+      if (!in_run) parts.runs.emplace_back();
+      parts.runs.back() += c;
+    }
+    in_run = is_digit(c);
+  }
+  if (in_run) {
+    parts.words.emplace_back();
+  }
+  return parts;
+}
+
+// Seconds and the digits of their fraction, as a name gives them.
+struct Stamp {
+  std::string seconds;
+  std::string fraction;
+};
+
+// A run that counts milliseconds, microseconds or nanoseconds since 1970.
+std::optional<Stamp> whole_stamp(const std::string& run) {
+  constexpr std::size_t kSecondsDigits = 10;  // from 2001 to 2286
+  const bool is_stamp = run.size() == 13 || run.size() == 16 || run.size() == 19;
+  if (!is_stamp || run.front() == '0') {
+    return std::nullopt;
+  }
+  return Stamp{run.substr(0, kSecondsDigits), run.substr(kSecondsDigits)};
+}
+
+// Whether run i is the seconds and run i + 1 their fraction.
+bool is_fraction_next(const Parts& parts, std::size_t i) {
+  if (i + 1 >= parts.runs.size() || parts.runs[i].size() < kSecondsDigitsMin ||
+      parts.runs[i].size() > kSecondsDigitsMin + 1) {
+    return false;
+  }
+  const std::string& between = parts.words[i + 1];
+  const std::size_t digits = parts.runs[i + 1].size();
+  return between == "." ? digits <= kFractionDigits
+                        : (between == "_" || between == "-") && digits == kFractionDigits;
+}
+
+// The one stamp in a name; nothing when there is none or more than one.
+std::optional<Stamp> stamp_of(const Parts& parts) {
+  std::optional<Stamp> found;
+  for (std::size_t i = 0; i < parts.runs.size(); ++i) {
+    auto stamp = whole_stamp(parts.runs[i]);
+    if (is_fraction_next(parts, i)) {
+      stamp = Stamp{parts.runs[i], parts.runs[i + 1]};
+      ++i;
+    }
+    if (stamp && found) {
+      return std::nullopt;
+    }
+    found = stamp ? std::move(stamp) : std::move(found);
+  }
+  const bool fits = found && parse_integer(found->seconds).value_or(kScanNumberMax) < kScanNumberMax;
+  return fits ? found : std::nullopt;
+}
+
+// How the digits behind the point are meant.
+enum class Fraction : std::uint8_t { Decimal, UnpaddedNanoseconds };
+
+// Recorders that print seconds and nanoseconds as two whole numbers leave out leading zeros; others leave out
+// trailing ones. Fractions of one length are decimal.
+Fraction fraction_kind(const std::vector<Stamp>& stamps) {
+  bool same_length = true;
+  bool ends_in_zero = false;
+  bool starts_with_zero = false;
+  bool has_nine = false;
+  for (const auto& [seconds, fraction] : stamps) {
+    same_length = same_length && fraction.size() == stamps.front().fraction.size();
+    const bool is_lone_digit = fraction.size() == 1;
+    ends_in_zero = ends_in_zero || (!is_lone_digit && fraction.back() == '0');
+    starts_with_zero = starts_with_zero || (!is_lone_digit && fraction.front() == '0');
+    has_nine = has_nine || fraction.size() == kFractionDigits;
+  }
+  const bool unpadded = !same_length && has_nine && ends_in_zero && !starts_with_zero;
+  return unpadded ? Fraction::UnpaddedNanoseconds : Fraction::Decimal;
+}
+
+nanoseconds time_of(const Stamp& stamp, Fraction kind) {
+  std::string digits = stamp.fraction;
+  if (kind == Fraction::Decimal) {
+    digits.resize(kFractionDigits, '0');
+  }
+  return std::chrono::seconds(parse_integer(stamp.seconds).value_or(0)) +
+         nanoseconds(parse_integer(digits).value_or(0));
+}
+
+std::string shown_time(nanoseconds time) {
+  std::string digits = std::to_string(time.count() % 1'000'000'000);
+  return std::to_string(time.count() / 1'000'000'000) + "." +
+         std::string(kFractionDigits - digits.size(), '0') + digits;
+}
+
+template <typename Key>
+std::vector<std::size_t> order_of(const std::vector<Key>& keys) {
+  std::vector<std::size_t> order(keys.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
+  return order;
+}
+
+// The two files whose keys are the same; nothing when all differ.
+template <typename Key>
+std::optional<std::pair<std::size_t, std::size_t>> same_keys(const std::vector<Key>& keys) {
+  const std::vector<std::size_t> order = order_of(keys);
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    if (keys[order[i - 1]] == keys[order[i]]) return std::pair(order[i - 1], order[i]);
+  }
+  return std::nullopt;
+}
+
+tl::unexpected<InputError> refuse_same(const Path& second, const Path& first, const std::string& what) {
+  return refuse(second.string(),
+                "has " + what + ", as has " + first.string() + "; rename one or leave one out");
+}
+
+tl::expected<ScanLabels, InputError> by_time(std::span<const Path> files, const std::vector<Stamp>& stamps) {
+  const Fraction kind = fraction_kind(stamps);
+  std::vector<nanoseconds> times;
+  for (const Stamp& stamp : stamps) {
+    times.push_back(time_of(stamp, kind));
+  }
+  if (const auto same = same_keys(times)) {
+    return refuse_same(files[same->second], files[same->first],
+                       "the time stamp " + shown_time(times[same->first]));
+  }
+  ScanLabels result;
+  result.labels.resize(files.size());
+  const std::vector<std::size_t> order = order_of(times);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    result.labels[order[i]] = {static_cast<std::int64_t>(i), times[order[i]]};
+  }
+  result.rule =
+      std::string("by the time stamp in the names") +
+      (kind == Fraction::UnpaddedNanoseconds ? " (seconds and nanoseconds without leading zeros)" : "") +
+      ", " + shown_time(times[order.front()]) + " to " + shown_time(times[order.back()]) +
+      " s, numbered from 0";
+  return result;
+}
+
+ScanLabel numbered(std::int64_t number) {
+  return {number, std::chrono::seconds(number)};
+}
+
+// The number that a run of digits is; nothing when it is too large for a scan.
+std::optional<std::int64_t> number_of(const std::string& run) {
+  const auto number = parse_integer(run);
+  return number && *number <= kScanNumberMax ? number : std::nullopt;
+}
+
+tl::unexpected<InputError> refuse_number(const Path& file, bool has_digits) {
+  return refuse(
+      file.string(),
+      std::string(has_digits ? "the number in its name is too large" : "has no number in its name") +
+          "; rename it to end in the scan's number, 0 to " + std::to_string(kScanNumberMax));
+}
+
+tl::expected<ScanLabels, InputError> by_keys(std::span<const Path> files, const Numbers& keys,
+                                             std::string rule) {
+  if (const auto same = same_keys(keys)) {
+    return refuse_same(files[same->second], files[same->first],
+                       "the scan number " + std::to_string(keys[same->first]));
+  }
+  ScanLabels result;
+  std::transform(keys.begin(), keys.end(), std::back_inserter(result.labels), numbered);
+  result.rule = std::move(rule);
+  return result;
+}
+
+tl::expected<ScanLabels, InputError> by_last_number(std::span<const Path> files,
+                                                    const std::vector<Parts>& parts) {
+  Numbers keys;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const auto number =
+        parts[i].runs.empty() ? std::optional<std::int64_t>() : number_of(parts[i].runs.back());
+    if (!number) {
+      return refuse_number(files[i], !parts[i].runs.empty());
+    }
+    keys.push_back(*number);
+  }
+  return by_keys(files, keys, "by the last number in the names");
+}
+
+// Whose numbers differ among names that are otherwise alike: the places of these numbers in a name.
+std::vector<std::size_t> differing_runs(const std::vector<Parts>& parts) {
+  std::vector<std::size_t> places;
+  for (std::size_t run = 0; run < parts.front().runs.size(); ++run) {
+    const bool differs = std::any_of(parts.begin(), parts.end(), [&](const Parts& p) {
+      return parse_integer(p.runs[run]) != parse_integer(parts.front().runs[run]);
+    });
+    if (differs) places.push_back(run);
+  }
+  return places;
+}
+
+tl::expected<ScanLabels, InputError> by_several_numbers(std::span<const Path> files,
+                                                        const std::vector<Numbers>& keys) {
+  Numbers first;
+  std::transform(keys.begin(), keys.end(), std::back_inserter(first),
+                 [](const Numbers& key) { return key.front(); });
+  if (!same_keys(first)) {
+    return by_keys(files, first, "by the first number that differs in the names");
+  }
+  if (const auto same = same_keys(keys)) {
+    return refuse_same(files[same->second], files[same->first], "the same numbers in its name");
+  }
+  ScanLabels result;
+  result.labels.resize(files.size());
+  const std::vector<std::size_t> order = order_of(keys);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    result.labels[order[i]] = numbered(static_cast<std::int64_t>(i));
+  }
+  result.rule = "by all numbers in the names, the leftmost first, numbered from 0";
+  return result;
+}
+
+// Names that differ in numbers alone.
+tl::expected<ScanLabels, InputError> by_differing_numbers(std::span<const Path> files,
+                                                          const std::vector<Parts>& parts) {
+  const std::vector<std::size_t> places = differing_runs(parts);
+  if (places.empty()) {  // the same names in several folders
+    return by_last_number(files, parts);
+  }
+  std::vector<Numbers> keys;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    Numbers& key = keys.emplace_back();
+    for (const std::size_t place : places) {
+      const auto number = number_of(parts[i].runs[place]);
+      if (!number) {
+        return refuse_number(files[i], true);
+      }
+      key.push_back(*number);
+    }
+  }
+  if (places.size() > 1) {
+    return by_several_numbers(files, keys);
+  }
+  Numbers only;
+  std::transform(keys.begin(), keys.end(), std::back_inserter(only),
+                 [](const Numbers& key) { return key.front(); });
+  return by_keys(files, only, "by the number in the names");
+}
+
+// A file that comes alone: nothing shows which of several numbers counts scans, so it is the longest.
+tl::expected<ScanLabels, InputError> alone(const Path& file, const Parts& parts) {
+  if (parts.runs.empty()) {
+    return ScanLabels{{ScanLabel{}}, ""};
+  }
+  const auto longest =
+      std::max_element(parts.runs.rbegin(), parts.runs.rend(),
+                       [](const std::string& a, const std::string& b) { return a.size() < b.size(); });
+  const auto number = number_of(*longest);
+  if (!number) {
+    return refuse_number(file, true);
+  }
+  return ScanLabels{{numbered(*number)}, ""};
+}
+
+}  // namespace
+
+tl::expected<ScanLabels, InputError> label_scans(std::span<const Path> files) {
+  if (files.empty()) {
+    return ScanLabels{};
+  }
+  std::vector<Parts> parts;
+  std::vector<Stamp> stamps;
+  std::optional<std::size_t> without_stamp;
+  for (const Path& file : files) {
+    parts.push_back(parts_of(file));
+    auto stamp = stamp_of(parts.back());
+    if (stamp) {
+      stamps.push_back(std::move(*stamp));
+    } else {
+      without_stamp = parts.size() - 1;
+    }
+  }
+  if (!without_stamp) {
+    return by_time(files, stamps);
+  }
+  if (!stamps.empty()) {
+    return refuse(
+        files[*without_stamp].string(),
+        "has no time stamp in its name, as other scans have; replay the ones apart from the others");
+  }
+  if (files.size() == 1) {
+    return alone(files.front(), parts.front());
+  }
+  const bool are_alike =
+      std::all_of(parts.begin(), parts.end(), [&](const Parts& p) { return p.words == parts.front().words; });
+  return are_alike ? by_differing_numbers(files, parts) : by_last_number(files, parts);
+}
+
+}  // namespace slamsensor::tools

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "tools/input/input_error.hpp"
+
+#include <tl/expected.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace slamsensor::tools {
+
+/// What a file's name says about its scan.
+struct ScanLabel {
+  std::int64_t number = 0;
+  std::chrono::nanoseconds time{};  ///< of the stamp in the name; without one the number stands for seconds
+};
+
+/// What the names of all files of a run say.
+struct ScanLabels {
+  std::vector<ScanLabel> labels;  ///< as the files were given; each number and each time occurs once
+  std::string rule;               ///< which rule was taken, in one line
+};
+
+/// Numbers the scans of `files` by their names (the last part of the path without the extension):
+/// - by time when every name holds a stamp: SECONDS.FRACTION or SECONDS_NANOSECONDS since 1970 (nine digits
+/// of
+///   seconds or more; fractions may be padded or not), or milliseconds, microseconds or nanoseconds since
+///   1970 in 13, 16 or 19 digits. The scans are numbered from 0 in the order of time.
+/// - by the one number that differs, when the names are otherwise alike: 12 for frame_000012_os1.
+/// - by all their numbers, leftmost first, when several differ: the leftmost when it occurs once in each
+/// name,
+///   else the scans are numbered from 0 in that order.
+/// - by the last number in the name when the names have different words.
+/// A single file needs no number and is then scan 0. An error when some names have stamps and others not, a
+/// number is missing or too large, or two files have the same.
+[[nodiscard]] tl::expected<ScanLabels, InputError> label_scans(std::span<const std::filesystem::path> files);
+
+}  // namespace slamsensor::tools
