@@ -52,7 +52,7 @@ constexpr Setting kSettings[] = {
      free_text<kDaemon, &DaemonConfig::control, &ControlConfig::socket>(kSocketPath)},
 
     {"record.directory", "", "Folder of the recordings.",
-     free_text<kDaemon, &DaemonConfig::record, &RecordConfig::directory>(kFolder), Apply::Live},
+     free_text<kDaemon, &DaemonConfig::record, &RecordConfig::directory>(kFolder)},
     {"record.size_max_mb", "MB", "A recording that reaches it is ended.",
      integer<kDaemon, &DaemonConfig::record, &RecordConfig::size_max_mb>(1, 1'000'000), Apply::Live},
 };

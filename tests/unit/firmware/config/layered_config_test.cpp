@@ -240,5 +240,23 @@ TEST_F(Layers, TooManyDropInsAndOnesThatCannotBeReadAreMistakes) {
               HasSubstr("g.toml.d: the drop-in folder cannot be read: Not a directory"));
 }
 
+/// Who may use the socket must not name files for the daemon to write.
+TEST_F(Layers, NoKeyThatIsAPathCanBeSetOverTheSocket) {
+  folder.write("f.toml", "");
+  LayeredConfig layered = load();
+  std::size_t paths = 0;
+  for (const Setting& setting : settings()) {
+    if (allowed_text(setting).find("path") == std::string::npos) {
+      continue;
+    }
+    ++paths;
+    EXPECT_EQ(setting.apply, Apply::Restart) << setting.path;
+    const auto result = layered.set({{std::string(setting.path), "/tmp/x"}});
+    ASSERT_FALSE(result) << setting.path;
+    EXPECT_THAT(texts(result.error()), testing::Contains(HasSubstr("needs a restart"))) << setting.path;
+  }
+  EXPECT_GE(paths, 6U);
+}
+
 }  // namespace
 }  // namespace slamsensor::firmware
