@@ -35,6 +35,9 @@ struct SyntaxFault {
 };
 
 tl::expected<toml::table, SyntaxFault> parsed(std::string_view text) {
+  if (const auto line = too_deep_line(text)) {
+    return tl::unexpected(SyntaxFault{*line, 1, "a key has more parts than any setting"});
+  }
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {

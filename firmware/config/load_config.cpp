@@ -1,10 +1,13 @@
 #include "firmware/config/load_config.hpp"
 
+#include "firmware/supervision/file_descriptor.hpp"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
+#include <fcntl.h>
 #include <optional>
+#include <sys/stat.h>
 #include <system_error>
 #include <utility>
 
@@ -13,24 +16,42 @@ namespace {
 
 constexpr std::size_t kFileBytesMax = std::size_t{1} << 20;
 
-/// The whole file, or why not.
-tl::expected<std::string, std::string> file_text(const std::filesystem::path& path) {
-  std::error_code code;
-  if (std::filesystem::is_directory(path, code)) {
-    return tl::unexpected<std::string>("is a folder; name the file in it");
+tl::unexpected<std::string> failure(const char* what, const char* advice) {
+  return tl::unexpected(what + (": " + std::string(std::strerror(errno))) + advice);
+}
+
+/// Why a file of this kind is not read; empty when it is. A pipe, socket or terminal may have to be waited
+/// for.
+std::string refused_kind(mode_t mode) {
+  if (S_ISDIR(mode)) {
+    return "is a folder; name the file in it";
   }
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
-    return tl::unexpected("cannot be opened: " + std::string(std::strerror(errno)) +
-                          "; check the name and the permissions");
+  return S_ISREG(mode) || S_ISCHR(mode) ? "" : "is a pipe or a socket; name a regular file";
+}
+
+/// The whole file, or why not. Never waits.
+tl::expected<std::string, std::string> file_text(const std::filesystem::path& path) {
+  const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY));
+  struct stat status {};
+  if (!file || ::fstat(file.get(), &status) != 0) {
+    return failure("cannot be opened", "; check the name and the permissions");
+  }
+  if (std::string refused = refused_kind(status.st_mode); !refused.empty()) {
+    return tl::unexpected(std::move(refused));
   }
   std::string text(kFileBytesMax + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad()) {
-    return tl::unexpected("cannot be read: " + std::string(std::strerror(errno)));
+  std::size_t filled = 0;
+  while (filled < text.size()) {
+    const ssize_t count = ::read(file.get(), text.data() + filled, text.size() - filled);
+    if (count < 0 && errno != EINTR) {
+      return failure("cannot be read", "");
+    }
+    if (count == 0) {
+      break;
+    }
+    filled += count > 0 ? static_cast<std::size_t>(count) : 0;
   }
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  text.resize(filled);
   if (text.size() > kFileBytesMax) {
     return tl::unexpected<std::string>("is larger than 1 MiB; this is not a configuration file");
   }

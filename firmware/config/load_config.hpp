@@ -6,7 +6,9 @@
 
 #include <tl/expected.hpp>
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -31,6 +33,10 @@ inline constexpr std::size_t kConfigErrorsMax = 100;
 /// force. Does not compare keys with each other: check_config does, once all layers are on.
 [[nodiscard]] std::vector<ConfigError> apply_layer(LoadedConfig& onto, std::string_view text,
                                                    std::string_view name);
+
+/// The line of `text` where tables are nested deeper than any setting, a key of more than 64 parts; nothing
+/// when none is. The parser would take such a text by recursion, until the stack ends: it must not see it.
+[[nodiscard]] std::optional<std::uint32_t> too_deep_line(std::string_view text);
 
 /// What is wrong with `text` as TOML, in a line; empty when nothing is.
 [[nodiscard]] std::string syntax_fault(std::string_view text);

@@ -1,5 +1,7 @@
 #include "tools/world/section_reader.hpp"
 
+#include "firmware/config/load_config.hpp"
+
 #include <algorithm>
 #include <fstream>
 #include <iterator>
@@ -36,6 +38,10 @@ tl::expected<std::string, WorldError> read_text(const std::filesystem::path& pat
 }
 
 tl::expected<toml::table, WorldError> parse_toml(std::string_view text, std::string_view name) {
+  if (const auto line = firmware::too_deep_line(text)) {
+    return tl::unexpected(WorldError{std::string(name) + ":" + std::to_string(*line) +
+                                     ": a key has more parts than any setting; correct this line"});
+  }
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {

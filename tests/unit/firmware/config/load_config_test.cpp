@@ -1,10 +1,13 @@
 #include "firmware/config/load_config.hpp"
 
 #include "firmware/config/list_config.hpp"
+#include "tests/unit/tools/input/temp_folder.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <filesystem>
+#include <sys/stat.h>
 
 namespace slamsensor::firmware {
 namespace {
@@ -137,6 +140,51 @@ TEST(ListConfig, ShowsEveryKeyWithValueUnitAndOrigin) {
   EXPECT_THAT(list, testing::ContainsRegex("detection.range_max_m +  *= 300.0 m +default\n"));
   EXPECT_THAT(list, testing::ContainsRegex("datum.latitude_deg +  *= none +default\n"));
   EXPECT_EQ(static_cast<std::size_t>(std::count(list.begin(), list.end(), '\n')), settings().size());
+}
+
+TEST(LoadConfig, DoesNotWaitForAPipe) {
+  const tools::TempFolder folder;
+  const std::filesystem::path pipe = folder.path() / "f.toml";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const auto loaded = load_config(pipe);
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(error_lines(loaded.error()), HasSubstr("f.toml: is a pipe or a socket"));
+  folder.write("g.toml", "");
+  std::filesystem::create_directory(folder.path() / "g.toml.d");
+  ASSERT_EQ(::mkfifo((folder.path() / "g.toml.d/1.toml").c_str(), 0600), 0);
+  EXPECT_THAT(error_lines(load_config(folder.path() / "g.toml").error()), HasSubstr("1.toml: is a pipe"));
+  EXPECT_TRUE(load_config("/dev/null"));
+}
+
+TEST(LoadConfig, TablesTooDeepForTheParserAreRefused) {
+  std::string path = "a";
+  for (int i = 0; i < 50'000; ++i) {
+    path += i % 2 == 0 ? ".a" : " . 'a'";
+  }
+  for (const std::string& text :
+       {"# c\n\n[" + path + "]\n", "# c\n\n[[" + path + "]]\n", "# c\n\n" + path + " = 1\n",
+        "# c\n\nt = {" + path + " = 1}\n", "s = \"a # \\\"\"\nt = ''''''\n[" + path + "]",
+        "s = \"never ended\n\n[" + path + "]"}) {
+    const auto loaded = load_config_text(text, "f.toml");
+    ASSERT_FALSE(loaded);
+    EXPECT_THAT(error_lines(loaded.error()), HasSubstr("f.toml:3:1: not TOML: a key has more parts"))
+        << text.substr(0, 40);
+  }
+  const std::string arrays = std::string(50'000, '[') + std::string(50'000, ']');
+  EXPECT_FALSE(load_config_text("[x]\na = " + arrays, "f.toml"));
+}
+
+TEST(LoadConfig, DotsThatAreNoKeysAreManyAsTheyLike) {
+  const std::string dots(1000, '.');
+  EXPECT_EQ(too_deep_line("# " + dots + "\na = \"" + dots + "\"\nb = '''" + dots + "\n" + dots + "'''\n"),
+            std::nullopt);
+  std::string numbers = "a = [1.0";
+  for (int i = 0; i < 1000; ++i) {
+    numbers += ", 1.0";
+  }
+  EXPECT_EQ(too_deep_line(numbers + "]\n"), std::nullopt);
+  EXPECT_EQ(too_deep_line("a = \"\"\"" + dots), std::nullopt);
+  EXPECT_EQ(too_deep_line("a." + dots), 1U);
 }
 
 }  // namespace
