@@ -1,5 +1,6 @@
 #include "firmware/supervision/signals.hpp"
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <sys/signalfd.h>
@@ -7,12 +8,15 @@
 namespace slamsensor::firmware {
 namespace {
 
-constexpr int kTaken[] = {SIGTERM, SIGINT, SIGHUP, SIGUSR1};
+constexpr int kTaken[] = {SIGTERM, SIGINT, SIGQUIT, SIGPWR, SIGXCPU, SIGHUP, SIGUSR1};
 
 std::optional<Order> order_of(std::uint32_t signal) noexcept {
   switch (signal) {
     case SIGTERM:
     case SIGINT:
+    case SIGQUIT:
+    case SIGPWR:
+    case SIGXCPU:
       return Order::Stop;
     case SIGHUP:
       return Order::Reload;
@@ -23,7 +27,25 @@ std::optional<Order> order_of(std::uint32_t signal) noexcept {
   }
 }
 
+/// Signals that would end the daemon without a last save, though they mean nothing to it: a broken pipe and a
+/// full file are errors of a call, the others are nobody's order.
+constexpr std::array kIgnored = {SIGPIPE, SIGXFSZ, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGSTKFLT};
+
+/// Those, and then the real-time signals.
+int ignored_signal(std::size_t i) noexcept {
+  return i < kIgnored.size() ? kIgnored[i] : SIGRTMIN + static_cast<int>(i - kIgnored.size());
+}
+
 }  // namespace
+
+void Signals::ignore_others() {
+  before_.resize(kIgnored.size() + static_cast<std::size_t>(SIGRTMAX - SIGRTMIN + 1));
+  struct sigaction ignored {};
+  ignored.sa_handler = SIG_IGN;
+  for (std::size_t i = 0; i < before_.size(); ++i) {
+    ::sigaction(ignored_signal(i), &ignored, &before_[i]);
+  }
+}
 
 tl::expected<Signals, hal::InitError> Signals::create() {
   sigset_t taken;
@@ -34,10 +56,7 @@ tl::expected<Signals, hal::InitError> Signals::create() {
   Signals signals;
   const int masked = ::pthread_sigmask(SIG_BLOCK, &taken, &signals.mask_before_);
   if (masked == 0) {
-    struct sigaction ignored {};
-    ignored.sa_handler = SIG_IGN;
-    ::sigaction(SIGPIPE, &ignored, &signals.pipe_before_);
-    ::sigaction(SIGXFSZ, &ignored, &signals.file_size_before_);  // a full file is an error, not the end
+    signals.ignore_others();
     signals.descriptor_ = FileDescriptor(::signalfd(-1, &taken, SFD_NONBLOCK | SFD_CLOEXEC));
   }
   if (!signals.descriptor_) {
@@ -50,8 +69,9 @@ tl::expected<Signals, hal::InitError> Signals::create() {
 
 Signals::~Signals() {
   if (descriptor_) {
-    ::sigaction(SIGPIPE, &pipe_before_, nullptr);
-    ::sigaction(SIGXFSZ, &file_size_before_, nullptr);
+    for (std::size_t i = 0; i < before_.size(); ++i) {
+      ::sigaction(ignored_signal(i), &before_[i], nullptr);
+    }
     ::pthread_sigmask(SIG_SETMASK, &mask_before_, nullptr);
   }
 }

@@ -8,19 +8,20 @@
 #include <csignal>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 namespace slamsensor::firmware {
 
 /// What a signal asks of the daemon.
 enum class Order : std::uint8_t {
-  Stop,     ///< SIGTERM, SIGINT
+  Stop,     ///< SIGTERM, SIGINT, SIGQUIT, SIGPWR, SIGXCPU
   Reload,   ///< SIGHUP
   SaveMap,  ///< SIGUSR1
 };
 
-/// The daemon's signals as something to poll. While one lives, SIGTERM, SIGINT, SIGHUP and SIGUSR1 are
-/// blocked in the thread that made it and in all that this starts afterwards, and SIGPIPE and SIGXFSZ are
-/// ignored.
+/// The daemon's signals as something to poll. While one lives, the signals of Order are blocked in the thread
+/// that made it and in all that this starts afterwards, and every other signal that would end the process and
+/// is no fault of the program is ignored: none ends the daemon without a last save.
 class Signals {
  public:
   /// Before any other thread is started.
@@ -37,11 +38,11 @@ class Signals {
 
  private:
   Signals() = default;
+  void ignore_others();
 
   FileDescriptor descriptor_;
   sigset_t mask_before_{};
-  struct sigaction pipe_before_ {};
-  struct sigaction file_size_before_ {};
+  std::vector<struct sigaction> before_;  // of the signals that are ignored
 };
 
 }  // namespace slamsensor::firmware

@@ -51,6 +51,25 @@ TEST(Signals, ABrokenPipeIsAnErrorCodeAndTheOldWaysComeBack) {
   EXPECT_EQ(sigismember(&mask, SIGTERM), 0);
 }
 
+TEST(Signals, NoneThatIsNoFaultOfTheProgramEndsIt) {
+  auto signals = Signals::create();
+  ASSERT_TRUE(signals);
+  for (int signal = 1; signal <= SIGRTMAX; ++signal) {
+    const bool is_fault = signal == SIGILL || signal == SIGTRAP || signal == SIGABRT || signal == SIGBUS ||
+                          signal == SIGFPE || signal == SIGSEGV || signal == SIGSYS;
+    const bool stops =
+        signal == SIGKILL || signal == SIGSTOP || signal == SIGTSTP || signal == SIGTTIN || signal == SIGTTOU;
+    const bool is_libcs = signal >= 32 && signal < SIGRTMIN;
+    if (!is_fault && !stops && !is_libcs) {
+      ASSERT_EQ(::raise(signal), 0) << signal;  // would end the test
+      while (signals->take()) {
+      }
+    }
+  }
+  ASSERT_EQ(::raise(SIGQUIT), 0);
+  EXPECT_EQ(signals->take(), Order::Stop);
+}
+
 TEST(ExitStatus, TellsApartWhatARestartCannotMend) {
   EXPECT_EQ(exit_status(ExitReason::Ordered), 0);
   EXPECT_EQ(exit_status(ExitReason::Usage), 64);
