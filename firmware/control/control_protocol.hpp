@@ -28,7 +28,7 @@ namespace slamsensor::firmware {
 //
 // `help` lists the requests (control_commands). The socket may be used by who may write to it: mode 0660,
 // group of its directory's setgid or else of the daemon. At most kControlClientsMax clients: of more, the one
-// that has been silent longest has to go if it was silent for a minute, else the new one is told `ERROR
+// that has been silent longest has to go if it was silent for a second, else the new one is told `ERROR
 // busy`.
 
 /// Longest request, its line end not counted.

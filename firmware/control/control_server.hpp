@@ -17,8 +17,8 @@ struct ControlServerConfig {
   std::size_t clients_max = kControlClientsMax;
   hal::Stamp answer_timeout = std::chrono::seconds(30);  ///< for a request that is answered later
   hal::Stamp unread_timeout =
-      std::chrono::seconds(10);                    ///< a client that takes nothing for so long has to go
-  hal::Stamp idle_min = std::chrono::seconds(60);  ///< so long silent, a client may have to make room
+      std::chrono::seconds(10);                   ///< a client that takes nothing for so long has to go
+  hal::Stamp idle_min = std::chrono::seconds(1);  ///< so long silent, a client may have to make room
 };
 
 /// Serves the control protocol (control_protocol.hpp). One thread; never waits.

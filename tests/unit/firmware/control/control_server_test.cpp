@@ -92,6 +92,7 @@ TEST_F(ControlServerTest, AClientThatWaitsWithItsSendingSideClosedGetsItsAnswer)
 
 TEST_F(ControlServerTest, OneTooManyIsToldSoUntilSomebodyHasBeenSilentForLong) {
   config.clients_max = 2;
+  config.idle_min = 60s;
   start();
   const FileDescriptor first = connect();
   serve();
@@ -110,6 +111,21 @@ TEST_F(ControlServerTest, OneTooManyIsToldSoUntilSomebodyHasBeenSilentForLong) {
   EXPECT_EQ(hear(fourth), "OK slamsensord 1.2.3\n");
   EXPECT_EQ(counter("clients_refused"), 1U);
   EXPECT_EQ(counter("clients_dropped"), 1U);
+}
+
+TEST_F(ControlServerTest, AsManyIdleClientsAsThereMayBeLockNobodyOut) {
+  start();
+  std::vector<FileDescriptor> idle;
+  for (std::size_t i = 0; i < kControlClientsMax; ++i) {
+    idle.push_back(connect());
+    serve();
+  }
+  now += 1s;
+  const FileDescriptor other = connect();
+  say(other, "version\n");
+  serve();
+  EXPECT_EQ(hear(other), "OK slamsensord 1.2.3\n");
+  EXPECT_EQ(server->clients(), kControlClientsMax);
 }
 
 TEST_F(ControlServerTest, AClientThatDoesNotReadHoldsUpNobodyAndGoes) {

@@ -155,5 +155,10 @@ TEST_F(ControlSessionTest, PiecesMakeNoDifference) {
   }
 }
 
+TEST_F(ControlSessionTest, AnswersAreUtf8WhateverTheRequestWas) {
+  EXPECT_EQ(say("fl\xFFy \xC3\n").find_first_of("\xFF\xC3"), std::string::npos);
+  EXPECT_EQ(counts.refused, 1U);
+}
+
 }  // namespace
 }  // namespace slamsensor::firmware
