@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <getopt.h>
+#include <new>
 #include <optional>
 #include <string>
 #include <utility>
@@ -83,8 +84,14 @@ int run(Arguments arguments) {
 int main(int argc, char** argv) {
   using namespace slamsensor::firmware;
   Arguments arguments;
-  if (const auto status = parse(argc, argv, arguments)) {
-    return *status;
+  try {
+    if (const auto status = parse(argc, argv, arguments)) {
+      return *status;
+    }
+    return run(std::move(arguments));
+  } catch (const std::bad_alloc&) {
+    Log({.style = log_style(2)})
+        .error("out of memory; give the service more (MemoryMax=, LimitAS=), or lower [capacities]");
+    return exit_status(ExitReason::NoResources);
   }
-  return run(std::move(arguments));
 }

@@ -1,9 +1,11 @@
 #include "firmware/daemon/daemon.hpp"
 
+#include "firmware/daemon/realtime.hpp"
 #include "firmware/daemon/version.hpp"
 #include "firmware/supervision/status_line.hpp"
 #include "hal/clock.hpp"
 
+#include <array>
 #include <poll.h>
 #include <sys/random.h>
 #include <utility>
@@ -35,6 +37,13 @@ std::uint64_t draw_initialization() {
   return value & INT64_MAX;  // LCM's integers are signed
 }
 
+/// Devices, outputs, map, recording and configuration, and every client that may connect.
+std::uint64_t open_files_needed(const Config& config) {
+  constexpr std::uint64_t kOwn = 32;
+  return kOwn + kControlClientsMax +
+         (config.daemon.nmea_tcp.enabled ? config.daemon.nmea_tcp.clients_max : 0);
+}
+
 tl::unexpected<StartFailure> failure(ExitReason reason, std::string message) {
   return tl::unexpected(StartFailure{reason, std::move(message)});
 }
@@ -43,6 +52,9 @@ tl::unexpected<StartFailure> failure(ExitReason reason, std::string message) {
 
 tl::expected<std::unique_ptr<Daemon>, StartFailure> Daemon::create(LayeredConfig config, SourceMode source,
                                                                    Log& log) {
+  if (auto raised = raise_open_files(open_files_needed(config.current().config)); !raised) {
+    return failure(ExitReason::NoResources, raised.error());
+  }
   auto signals = Signals::create();
   if (!signals) {
     return failure(ExitReason::NoResources, signals.error().message);
@@ -180,6 +192,7 @@ void Daemon::tell_facts(hal::Stamp now) {
   facts.realtime = threads_->is_realtime();
   facts.maps_replaced = maps_.replaced();
   facts.counters.append(server_->counters());
+  facts.counters.append(std::array{hal::Counter{"log_lines_lost", log_.lost()}});
   threads_->publish().set_facts(facts);
 }
 

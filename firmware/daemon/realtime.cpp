@@ -7,6 +7,7 @@
 #include <memory>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <utility>
 
 namespace slamsensor::firmware {
@@ -65,6 +66,24 @@ tl::expected<void, std::string> lock_memory() {
     return tl::unexpected(std::string("memory cannot be locked: ") + std::strerror(errno) +
                           "; give the service LimitMEMLOCK=infinity (or CAP_IPC_LOCK), or set "
                           "realtime.mode = \"optional\"");
+  }
+  return {};
+}
+
+tl::expected<void, std::string> raise_open_files(std::uint64_t needed) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) {
+    return tl::unexpected(std::string("the limit of open files cannot be read: ") + std::strerror(errno));
+  }
+  if (limit.rlim_cur < limit.rlim_max) {
+    rlimit raised = limit;
+    raised.rlim_cur = limit.rlim_max;
+    limit = ::setrlimit(RLIMIT_NOFILE, &raised) == 0 ? raised : limit;
+  }
+  if (limit.rlim_cur < needed) {
+    return tl::unexpected("only " + std::to_string(limit.rlim_cur) + " files may be open and up to " +
+                          std::to_string(needed) +
+                          " are needed; give the service LimitNOFILE=" + std::to_string(needed) + " or more");
   }
   return {};
 }

@@ -16,6 +16,9 @@ namespace slamsensor::firmware {
 /// later use meets a page fault. The error says what is missing and how to get it.
 [[nodiscard]] tl::expected<void, std::string> lock_memory();
 
+/// Raises the limit of open files as far as the system allows. An error when fewer than `needed` may be open.
+[[nodiscard]] tl::expected<void, std::string> raise_open_files(std::uint64_t needed);
+
 /// How a thread is scheduled.
 struct ThreadConfig {
   std::string name;                 ///< at most 15 characters, for top and gdb

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <poll.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -44,14 +46,18 @@ std::string utc_text(hal::Stamp utc) {
   return text.data();
 }
 
-void write_all(int fd, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t count = ::write(fd, text.data(), text.size());
-    if (count <= 0) {
-      return;
-    }
-    text.remove_prefix(static_cast<std::size_t>(count));
+/// Writes as much of `text` as goes without waiting: a pipe that poll() says is writable takes PIPE_BUF
+/// bytes, more than a line has. Returns the bytes written.
+std::size_t write_now(int fd, std::string_view text) {
+  struct stat status {};
+  const bool is_socket = ::fstat(fd, &status) == 0 && S_ISSOCK(status.st_mode);
+  pollfd state{fd, POLLOUT, 0};
+  if (!is_socket && (::poll(&state, 1, 0) != 1 || (state.revents & POLLOUT) == 0)) {
+    return 0;
   }
+  const ssize_t count = is_socket ? ::send(fd, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL)
+                                  : ::write(fd, text.data(), text.size());
+  return count > 0 ? static_cast<std::size_t>(count) : 0;
 }
 
 }  // namespace
@@ -128,23 +134,35 @@ void Log::flush() {
   std::for_each(seen_.begin(), seen_.end(), [this](Seen& seen) { close(seen); });
 }
 
-void Log::print(LogLevel level, std::string_view message) const {
+void Log::print(LogLevel level, std::string_view message) {
+  if (lost_ > told_lost_ &&
+      print_line(LogLevel::Warning, std::to_string(lost_ - told_lost_) +
+                                        " lines of this log were lost: its reader does not read")) {
+    told_lost_ = lost_;
+  }
   while (!message.empty()) {
     const std::size_t end = std::min(message.find('\n'), message.size());
-    print_line(level, message.substr(0, end));
+    lost_ += print_line(level, message.substr(0, end)) ? 0 : 1;
     message.remove_prefix(std::min(end + 1, message.size()));
   }
 }
 
-void Log::print_line(LogLevel level, std::string_view line) const {
-  std::string text;
+bool Log::print_line(LogLevel level, std::string_view line) {
+  std::string text = is_cut_ ? "\n" : "";
   if (config_.style == LogStyle::Journal) {
-    text = {'<', kPriorities[static_cast<std::size_t>(level)], '>'};
+    text += {'<', kPriorities[static_cast<std::size_t>(level)], '>'};
   } else {
-    text = utc_text(config_.now() + config_.utc_ahead()) + std::string(to_string(level)) + ": ";
+    text += utc_text(config_.now() + config_.utc_ahead()) + std::string(to_string(level)) + ": ";
   }
-  text += plain_text(line.substr(0, kLineMax));
-  write_all(config_.fd, text + '\n');
+  text += plain_text(line.substr(0, kLineMax)) + '\n';
+  const std::size_t written = write_now(config_.fd, text);
+  is_cut_ = written > 0 ? written < text.size() : is_cut_;
+  return written == text.size();
+}
+
+std::uint64_t Log::lost() {
+  const std::lock_guard lock(mutex_);
+  return lost_;
 }
 
 }  // namespace slamsensor::firmware

@@ -30,8 +30,9 @@ struct LogConfig {
   hal::Stamp (*utc_ahead)() noexcept = hal::realtime_ahead;  ///< UTC minus `now`
 };
 
-/// The daemon's log. Any thread may use it but the real-time ones: it takes a lock and writes. A message that
-/// cannot be written is lost.
+/// The daemon's log. Any thread may use it but the real-time ones: it takes a lock and writes. It never waits
+/// for its reader: a line that cannot be written at once is lost and counted, and the next line that can be
+/// written follows one that says how many were.
 class Log {
  public:
   explicit Log(const LogConfig& config = {}) : config_(config), level_(config.level) {}
@@ -47,6 +48,9 @@ class Log {
   void debug(std::string_view message) { write(LogLevel::Debug, message); }
 
   void set_level(LogLevel level);
+
+  /// Lines that could not be written.
+  [[nodiscard]] std::uint64_t lost();
 
   /// Tells of repetitions whose minute is over; the main thread calls it about once a second.
   void tick();
@@ -66,13 +70,17 @@ class Log {
 
   [[nodiscard]] Seen& place_of(std::uint64_t key, hal::Stamp now);
   void close(Seen& seen);
-  void print(LogLevel level, std::string_view message) const;
-  void print_line(LogLevel level, std::string_view line) const;
+  void print(LogLevel level, std::string_view message);
+  /// False when not all of the line was taken.
+  [[nodiscard]] bool print_line(LogLevel level, std::string_view line);
 
   LogConfig config_;
   std::mutex mutex_;
   LogLevel level_;
   std::array<Seen, 64> seen_;
+  std::uint64_t lost_ = 0;
+  std::uint64_t told_lost_ = 0;
+  bool is_cut_ = false;  // the last line was written in part
 };
 
 }  // namespace slamsensor::firmware

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -10,11 +9,8 @@ namespace slamsensor::firmware {
   return static_cast<unsigned char>(c) < 0x20 || c == '\x7f';
 }
 
-/// `text` with '?' for every control character: fit for one line of a log, an answer or a status.
-[[nodiscard]] inline std::string plain_text(std::string_view text) {
-  std::string plain(text);
-  std::replace_if(plain.begin(), plain.end(), is_control, '?');
-  return plain;
-}
+/// `text` with '?' for every control character and for every byte that is not UTF-8: fit for one line of a
+/// log, an answer or a status.
+[[nodiscard]] std::string plain_text(std::string_view text);
 
 }  // namespace slamsensor::firmware

@@ -5,8 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fcntl.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <thread>
 #include <vector>
@@ -176,6 +178,49 @@ TEST_F(LogTest, TheJournalIsKnownByItsStream) {
   EXPECT_EQ(log_style(writer.get()), LogStyle::Plain);
   ::unsetenv("JOURNAL_STREAM");
   EXPECT_EQ(log_style(writer.get()), LogStyle::Plain);
+}
+
+// A log whose reader has stopped reading, for each kind of reader: a pipe and journald's socket.
+class UnreadLog : public LogTest, public testing::WithParamInterface<bool> {
+ protected:
+  UnreadLog() {
+    std::array<int, 2> ends{};
+    const bool is_socket = GetParam();
+    EXPECT_EQ(is_socket ? ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data())
+                        : ::pipe2(ends.data(), O_CLOEXEC),
+              0);  // writing would wait
+    reader = FileDescriptor(ends[0]);
+    writer = FileDescriptor(ends[1]);
+    ::fcntl(reader.get(), F_SETFL, O_NONBLOCK);
+    config.fd = writer.get();
+    config.repeats_per_minute = 1'000'000;
+  }
+};
+
+TEST_P(UnreadLog, LosesLinesInsteadOfWaitingAndSaysHowMany) {
+  Log log(config);
+  const std::string line(1000, 'x');
+  for (int i = 0; i < 2000; ++i) {
+    log.info(line);
+  }
+  const std::uint64_t lost = log.lost();
+  EXPECT_GT(lost, 0U);
+  const std::string before = written();
+  EXPECT_GE(std::count(before.begin(), before.end(), '\n') + static_cast<std::ptrdiff_t>(lost), 2000);
+  log.info("again");
+  log.info("and again");
+  const std::string after = written();
+  EXPECT_THAT(after, HasSubstr("<4>" + std::to_string(lost) + " lines of this log were lost"));
+  EXPECT_THAT(after, testing::EndsWith("<6>again\n<6>and again\n"));
+  EXPECT_EQ(log.lost(), lost);
+}
+
+INSTANTIATE_TEST_SUITE_P(PipeAndSocket, UnreadLog, testing::Bool());
+
+TEST_F(LogTest, ALineIsUtf8WhateverItIsMadeOf) {
+  Log log(config);
+  log.info("a\xFFz \xC3\xA9 \xE2\x82 \xC0\xAF \xED\xA0\x80 \xF0\x9F\x8C\xB2 \xF5");
+  EXPECT_EQ(written(), "<6>a?z \xC3\xA9 ?? ?? ??? \xF0\x9F\x8C\xB2 ?\n");
 }
 
 }  // namespace
