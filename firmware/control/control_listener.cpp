@@ -30,6 +30,12 @@ std::string advice(int error) {
     case EPERM:
     case EROFS:
       return "; make its folder writable for the daemon or change control.socket";
+    case EMFILE:
+    case ENFILE:
+      return "; raise the limit of open files";
+    case ENOMEM:
+    case ENOBUFS:
+      return "; give the daemon more memory";
     default:
       return "; change control.socket";
   }

@@ -112,6 +112,49 @@ void read_path(const MapFrameSection& section, MapFile& map) {
   }
 }
 
+/// Before memory is taken for them: whether as many landmarks and poses have room.
+tl::expected<void, MapFileError> check_room(const MapFrame& frame, const core::Capacities& capacities) {
+  core::MapCheck check;
+  if (frame.sections[2].records > capacities.path_poses) {
+    check = {core::MapFlaw::TooManyPoses, frame.sections[2].records};
+  }
+  if (frame.sections[1].records > capacities.map_landmarks) {
+    check = {core::MapFlaw::TooManyLandmarks, frame.sections[1].records};
+  }
+  if (!check.ok()) {
+    return refuse(MapProblem::TooLarge, flaw_text(check, {}, capacities));
+  }
+  return {};
+}
+
+/// Which number of a map has run so far that the map could not grow, be refined and be saved for years to
+/// come; empty when none has. No sensor gets there: a landmark and a scan each second fill 2^31 in 68 years,
+/// and an xi of 65,536 takes as many landmarks in a row.
+std::string without_head_room(const MapFile& map) {
+  constexpr std::uint32_t kCountMax = std::uint32_t{1} << 31U;
+  constexpr std::uint32_t kXiMax = 65'536;
+  if (map.numbers.next_id > kCountMax) {
+    return "the next landmark's id " + std::to_string(map.numbers.next_id) +
+           " leaves no room for more landmarks";
+  }
+  if (map.numbers.scans > kCountMax) {
+    return "the number of scans " + std::to_string(map.numbers.scans) + " leaves no room for more scans";
+  }
+  for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
+    const core::MapLandmark& landmark = map.landmarks[i];
+    if (landmark.sightings > kCountMax || landmark.chances > kCountMax || landmark.xi > kXiMax) {
+      return "landmark " + std::to_string(i) + " (id " + std::to_string(landmark.id) +
+             "): its sightings, chances or xi leave no room for more";
+    }
+  }
+  for (std::size_t i = 0; i < map.path.size(); ++i) {
+    if (map.path[i].xi > kXiMax) {
+      return "pose " + std::to_string(i) + " of the path: its xi leaves no room for more";
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 tl::expected<MapFile, MapFileError> decode_map(std::span<const std::uint8_t> bytes,
@@ -125,6 +168,9 @@ tl::expected<MapFile, MapFileError> decode_map(std::span<const std::uint8_t> byt
   if (auto info = read_info(frame->sections[0], map); !info) {
     return tl::unexpected(std::move(info.error()));
   }
+  if (auto room = check_room(*frame, capacities); !room) {
+    return tl::unexpected(std::move(room.error()));
+  }
   read_landmarks(frame->sections[1], map);
   read_path(frame->sections[2], map);
   const core::MapCheck check = core::check_map(map.state(), capacities);
@@ -133,6 +179,10 @@ tl::expected<MapFile, MapFileError> decode_map(std::span<const std::uint8_t> byt
         check.flaw == core::MapFlaw::TooManyLandmarks || check.flaw == core::MapFlaw::TooManyPoses;
     return refuse(is_large ? MapProblem::TooLarge : MapProblem::Flawed,
                   flaw_text(check, map.state(), capacities));
+  }
+  if (const std::string reason = without_head_room(map); !reason.empty()) {
+    return refuse(MapProblem::Flawed,
+                  reason + ": the map was not written by slamsensor; use an earlier copy of it");
   }
   return map;
 }

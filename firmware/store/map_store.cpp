@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <new>
 #include <system_error>
 #include <unistd.h>
 #include <utility>
@@ -55,7 +56,7 @@ tl::expected<void, StoreError> MapStore::prepare() {
     return store_failure(StoreFault::InUse,
                          "map folder " + folder_.string() +
                              ": another process saves maps there; stop it, or give each daemon a "
-                             "map_store.directory of its own");
+                             "map.directory of its own");
   }
   if (!lock) {
     return store_failure(StoreFault::Io, "map folder " + folder_.string() +
@@ -79,18 +80,22 @@ void MapStore::clean() {
 
 MapStore::Inspection MapStore::inspect(const Path& path) const {
   Inspection found;
-  const auto content = read_regular(path, kMapFileBytesMax);
+  const auto content = read_regular(path, kMapFileBytesMax, kMapMagic);
   if (!content) {
     found.is_missing = content.error().error == ENOENT;
     found.reason = path.string() + ": " + content.error().text();
     return found;
   }
   found.identity = content->identity;
-  auto map = decode_map(content->bytes, capacities_);
-  if (map) {
-    found.map = std::move(*map);
-  } else {
-    found.reason = path.string() + ": " + map.error().message;
+  try {
+    auto map = decode_map(content->bytes, capacities_);
+    if (map) {
+      found.map = std::move(*map);
+    } else {
+      found.reason = path.string() + ": " + map.error().message;
+    }
+  } catch (const std::bad_alloc&) {
+    found.reason = path.string() + ": there is not enough memory to load it; give the daemon more";
   }
   return found;
 }

@@ -23,7 +23,7 @@ tl::expected<std::vector<MapListing>, StoreError> MapStore::list() const {
   }
   if (error) {
     return store_failure(StoreFault::Io, "map folder " + folder_.string() + ": cannot be read: " +
-                                             error.message() + "; create it, or correct map_store.directory");
+                                             error.message() + "; create it, or correct map.directory");
   }
   std::vector<MapListing> listings;
   for (auto& [name, listing] : maps) {

@@ -1,9 +1,11 @@
 #include "firmware/store/store_io.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <fcntl.h>
 #include <string_view>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
@@ -24,13 +26,19 @@ std::string_view advice_for(int error) {
     case EFBIG:
       return "raise the file size limit of the daemon";
     case EROFS:
-      return "make the disk writable, or set map_store.directory to a folder on another";
+      return "make the disk writable, or set map.directory to a folder on another";
     case EACCES:
     case EPERM:
       return "give the daemon's user access to the folder and its files";
     case ENOENT:
     case ENOTDIR:
       return "correct the path, or create the folder";
+    case ENXIO:
+    case ENODEV:
+      return "it is a socket or a device; move it away";
+    case ENOMEM:
+    case EAGAIN:
+      return "give the daemon more memory";
     case ELOOP:
       return "it is a symbolic link; put the file itself there";
     case EISDIR:
@@ -87,8 +95,8 @@ tl::expected<void, IoError> write_all(int file, std::span<const std::uint8_t> by
   return {};
 }
 
-/// Fills `bytes` as far as the file goes and cuts them there.
-tl::expected<void, IoError> read_all(int file, std::vector<std::uint8_t>& bytes) {
+/// Fills `bytes` as far as the file goes, and returns how many these are.
+tl::expected<std::size_t, IoError> read_all(int file, std::span<std::uint8_t> bytes) {
   std::size_t filled = 0;
   while (filled < bytes.size()) {
     const ssize_t count = ::read(file, bytes.data() + filled, bytes.size() - filled);
@@ -103,8 +111,18 @@ tl::expected<void, IoError> read_all(int file, std::vector<std::uint8_t>& bytes)
     }
     filled += static_cast<std::size_t>(count);
   }
-  bytes.resize(filled);
-  return {};
+  return filled;
+}
+
+/// Whether the file may go on as one that begins with `magic`: a shorter one is to be read and refused as a
+/// whole.
+tl::expected<bool, IoError> begins_with(int file, std::span<const std::uint8_t> magic,
+                                        std::span<std::uint8_t> bytes) {
+  const auto filled = read_all(file, bytes.first(std::min(magic.size(), bytes.size())));
+  if (!filled) {
+    return tl::unexpected(filled.error());
+  }
+  return std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(*filled), magic.begin());
 }
 
 tl::expected<FileIdentity, IoError> fill_and_close(OwnFile& file, std::span<const std::uint8_t> bytes) {
@@ -143,7 +161,27 @@ tl::expected<FileIdentity, IoError> identify(const Path& path) {
   return identity_of(status);
 }
 
-tl::expected<FileBytes, IoError> read_regular(const Path& path, std::size_t size_max) {
+OwnPages::~OwnPages() {
+  if (!bytes_.empty()) {
+    ::munmap(bytes_.data(), bytes_.size());
+  }
+}
+
+tl::expected<OwnPages, IoError> OwnPages::take(std::size_t size) {
+  OwnPages pages;
+  if (size == 0) {
+    return pages;
+  }
+  void* const memory = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) {
+    return io_failure("no memory for the file");
+  }
+  pages.bytes_ = {static_cast<std::uint8_t*>(memory), size};
+  return pages;
+}
+
+tl::expected<FileBytes, IoError> read_regular(const Path& path, std::size_t size_max,
+                                              std::span<const std::uint8_t> magic) {
   const OwnFile file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | O_NOCTTY));
   if (file.get() < 0) {
     return io_failure("open");
@@ -163,11 +201,23 @@ tl::expected<FileBytes, IoError> read_regular(const Path& path, std::size_t size
     return useless("it has " + std::to_string(size) + " bytes; a map has at most " + std::to_string(size_max),
                    "move it away");
   }
-  FileBytes content{identity_of(status), std::vector<std::uint8_t>(static_cast<std::size_t>(size))};
-  if (auto read = read_all(file.get(), content.bytes); !read) {
-    return tl::unexpected(std::move(read.error()));
+  std::array<std::uint8_t, 64> start{};
+  const std::size_t peeked = std::min({magic.size(), start.size(), static_cast<std::size_t>(size)});
+  const auto is_wanted = begins_with(file.get(), magic.first(peeked), start);
+  if (!is_wanted) {
+    return tl::unexpected(is_wanted.error());
   }
-  return content;
+  auto pages = OwnPages::take(*is_wanted ? static_cast<std::size_t>(size) : peeked);
+  if (!pages) {
+    return tl::unexpected(std::move(pages.error()));
+  }
+  const std::span<std::uint8_t> bytes = pages->bytes();
+  std::copy_n(start.begin(), peeked, bytes.begin());
+  const auto rest = read_all(file.get(), bytes.subspan(peeked));
+  if (!rest) {
+    return tl::unexpected(rest.error());
+  }
+  return FileBytes{identity_of(status), bytes.first(peeked + *rest), std::move(*pages)};
 }
 
 tl::expected<FileIdentity, IoError> write_durably(const Path& path, std::span<const std::uint8_t> bytes) {

@@ -9,7 +9,7 @@
 #include <span>
 #include <string>
 #include <sys/types.h>
-#include <vector>
+#include <utility>
 
 namespace slamsensor::firmware {
 
@@ -39,15 +39,38 @@ struct FileIdentity {
 /// What is at `path`, links not followed; an error (ENOENT, ...) when nothing is.
 [[nodiscard]] tl::expected<FileIdentity, IoError> identify(const std::filesystem::path& path);
 
-struct FileBytes {
-  FileIdentity identity;
-  std::vector<std::uint8_t> bytes;
+/// Memory of its own, which goes back to the system at the end: the heap of a process that keeps all its
+/// memory locked would hold it for good.
+class OwnPages {
+ public:
+  OwnPages() = default;
+  OwnPages(OwnPages&& other) noexcept : bytes_(std::exchange(other.bytes_, {})) {}
+  OwnPages& operator=(OwnPages&& other) noexcept {
+    std::swap(bytes_, other.bytes_);
+    return *this;
+  }
+  ~OwnPages();
+
+  /// ENOMEM or EAGAIN where there is none.
+  [[nodiscard]] static tl::expected<OwnPages, IoError> take(std::size_t size);
+
+  [[nodiscard]] std::span<std::uint8_t> bytes() const noexcept { return bytes_; }
+
+ private:
+  std::span<std::uint8_t> bytes_;
 };
 
-/// The whole of a regular file of at most `size_max` bytes. Links are not followed, and nothing that is not a
-/// regular file is waited for.
+struct FileBytes {
+  FileIdentity identity;
+  std::span<const std::uint8_t> bytes;  ///< in `pages`
+  OwnPages pages;
+};
+
+/// The whole of a regular file of at most `size_max` bytes; of one that does not begin with `magic` no more
+/// than these first bytes. Links are not followed, and nothing that is not a regular file is waited for.
 [[nodiscard]] tl::expected<FileBytes, IoError> read_regular(const std::filesystem::path& path,
-                                                            std::size_t size_max);
+                                                            std::size_t size_max,
+                                                            std::span<const std::uint8_t> magic = {});
 
 /// A new file at `path` holds `bytes`, on the disk. What was there by that name is gone; after an error
 /// nothing is there.

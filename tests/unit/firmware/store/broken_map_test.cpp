@@ -1,12 +1,19 @@
 // Broken map files: each is refused with the message that its user reads.
+#include "firmware/store/map_layout.hpp"
 #include "firmware/store/map_store.hpp"
+#include "firmware/store/store_io.hpp"
+#include "firmware/supervision/unix_address.hpp"
 #include "tests/unit/firmware/store/damage.hpp"
 #include "tests/unit/tools/input/temp_folder.hpp"
 
 #include <gtest/gtest.h>
 
 #include <fcntl.h>
+#include <fstream>
+#include <functional>
+#include <malloc.h>
 #include <ostream>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -62,6 +69,70 @@ TEST(BrokenMapFile, TheUnbrokenSampleLoads) {
   capacities.path_poses = 2;
   EXPECT_EQ(message_of_load(folder, capacities),
             "its path has 3 poses and there is room for 2: raise capacities.path_poses to 3");
+}
+
+// Numbers near their end: such a map could be loaded, but never be extended and saved again.
+TEST(BrokenMapFile, AMapWithoutHeadRoomIsRefused) {
+  const auto message_with = [](const std::function<void(firmware::MapFile&)>& change) {
+    const TempFolder folder;
+    firmware::MapFile map = sample_map();
+    change(map);
+    const Bytes bytes = firmware::encode_map(map.about, map.state());
+    (void)folder.write("broken.slammap", {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    return message_of_load(folder);
+  };
+  const std::string end =
+      "leaves no room for more scans: the map was not written by slamsensor; use an earlier copy of it";
+  EXPECT_EQ(message_with([](auto& map) { map.numbers.scans = UINT32_MAX; }),
+            "the number of scans 4294967295 " + end);
+  EXPECT_EQ(message_with([](auto& map) { map.numbers.scans = 1U << 31U; }), "it was loaded");
+  const std::string id = message_with([](auto& map) { map.numbers.next_id = UINT32_MAX; });
+  EXPECT_TRUE(id.starts_with("the next landmark's id 4294967295 leaves no room")) << id;
+  const std::string seen = message_with([](auto& map) { map.landmarks[3].sightings = UINT32_MAX; });
+  EXPECT_TRUE(seen.starts_with("landmark 3 (id 5): its sightings, chances or xi")) << seen;
+  const std::string chances = message_with([](auto& map) { map.landmarks[0].chances = UINT32_MAX - 1; });
+  EXPECT_TRUE(chances.starts_with("landmark 0 (id 0): its sightings")) << chances;
+  const std::string xi = message_with([](auto& map) { map.landmarks[4].xi = UINT32_MAX; });
+  EXPECT_TRUE(xi.starts_with("landmark 4 (id 8): its sightings")) << xi;
+  const std::string pose = message_with([](auto& map) { map.path[2].xi = UINT32_MAX; });
+  EXPECT_TRUE(pose.starts_with("pose 2 of the path")) << pose;
+}
+
+TEST(BrokenMapFile, OfAForeignFileNoMoreIsReadThanItsMagic) {
+  const TempFolder folder;
+  const std::filesystem::path path = folder.write("broken.slammap", "PNG not a map");
+  std::filesystem::resize_file(path, firmware::kMapFileBytesMax);
+  EXPECT_EQ(firmware::read_regular(path, firmware::kMapFileBytesMax, firmware::kMapMagic)->bytes.size(),
+            firmware::kMapMagic.size());
+  EXPECT_TRUE(message_of_load(folder).ends_with("is not a map of slamsensor; name a .slammap file"));
+}
+
+TEST(BrokenMapFile, MemoryOfAFileGoesBackToTheSystem) {
+  const auto mapped_kb = [] {
+    std::ifstream status("/proc/self/statm");
+    std::size_t pages = 0;
+    status >> pages;
+    return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) / 1024;
+  };
+  const TempFolder folder;
+  const std::filesystem::path path = folder.write("broken.slammap", "x");
+  std::filesystem::resize_file(path, std::size_t{64} << 20);
+  mallopt(M_MMAP_MAX, 0);  // as the daemon has it: what the heap has taken stays
+  const std::size_t before_kb = mapped_kb();
+  EXPECT_EQ(firmware::read_regular(path, firmware::kMapFileBytesMax)->bytes.size(), std::size_t{64} << 20);
+  const std::size_t after_kb = mapped_kb();
+  mallopt(M_MMAP_MAX, 65'536);
+  EXPECT_LT(after_kb, before_kb + 1024);
+}
+
+TEST(BrokenMapFile, ASocketIsNoMap) {
+  const TempFolder folder;
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  const auto address = firmware::unix_address((folder.path() / "broken.slammap").string());
+  ASSERT_TRUE(address && ::bind(socket, address->get(), address->size) == 0);
+  ::close(socket);
+  EXPECT_EQ(message_of_load(folder),
+            "open: No such device or address; it is a socket or a device; move it away");
 }
 
 TEST(BrokenMapFile, AFolderIsNoMap) {

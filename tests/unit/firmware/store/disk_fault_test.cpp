@@ -130,7 +130,7 @@ TEST(DiskFault, AReadOnlyDiskGivesItsMapsAndTakesNone) {
   EXPECT_EQ(saved.error().message,
             "map folder " + bench.folder.path().string() +
                 ": maps cannot be saved: .lock: open: Read-only file system; make the disk writable, or set "
-                "map_store.directory to a folder on another");
+                "map.directory to a folder on another");
   EXPECT_EQ(bench.loaded_weight(), 1U);
   ASSERT_TRUE(disk.remount(0));
   EXPECT_TRUE(bench.save(3)) << "a disk that is writable again is used again";

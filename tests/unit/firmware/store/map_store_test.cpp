@@ -214,7 +214,7 @@ TEST(MapStore, AFolderBelongsToOneProcess) {
   EXPECT_EQ(ready.error().fault, StoreFault::InUse);
   EXPECT_EQ(ready.error().message, "map folder " + bench.folder.path().string() +
                                        ": another process saves maps there; stop it, or give each daemon a "
-                                       "map_store.directory of its own");
+                                       "map.directory of its own");
   EXPECT_TRUE(second.load("m")) << "what is there may be read";
   bench.store = MapStore("elsewhere", core::Capacities{});
   EXPECT_TRUE(second.prepare()) << "the first is gone";
@@ -249,7 +249,7 @@ TEST(MapStore, ListOfNoFolderSaysWhatToDo) {
   const MapStore store("no-such-folder", core::Capacities{});
   EXPECT_EQ(store.list().error().message,
             "map folder no-such-folder: cannot be read: No such file or directory; create it, or correct "
-            "map_store.directory");
+            "map.directory");
 }
 
 TEST(MapStore, RemovesAllGenerations) {
