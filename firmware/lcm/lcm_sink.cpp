@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <lcm/lcm.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
+#include <system_error>
 #include <unistd.h>
 #include <utility>
+#include <vector>
 
 namespace slamsensor::firmware {
 namespace {
@@ -33,6 +38,33 @@ int find_route(const sockaddr_in& group) noexcept {
   const int error = result == 0 ? 0 : errno;
   ::close(fd);
   return error;
+}
+
+/// In order.
+std::vector<int> open_descriptors() {
+  std::vector<int> open;
+  std::error_code error;
+  std::filesystem::directory_iterator entry("/proc/self/fd", error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    open.push_back(std::atoi(entry->path().filename().c_str()));
+  }
+  std::sort(open.begin(), open.end());
+  return open;
+}
+
+// liblcm joins the group with the socket that it sends from, and never reads from that socket. The sensor
+// only sends: the socket leaves the group, and keeps next to nothing of what is sent to its port. Any other
+// socket that was opened meanwhile is in no group, and nothing changes for it.
+void leave_group(const sockaddr_in& group, const std::vector<int>& open_before) {
+  constexpr int kLeast = 0;  // the system takes its own minimum for it
+  ip_mreqn membership{};
+  membership.imr_multiaddr = group.sin_addr;
+  for (const int fd : open_descriptors()) {
+    const bool is_new = !std::binary_search(open_before.begin(), open_before.end(), fd);
+    if (is_new && ::setsockopt(fd, IPPROTO_IP, IP_DROP_MEMBERSHIP, &membership, sizeof membership) == 0) {
+      static_cast<void>(::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &kLeast, sizeof kLeast));
+    }
+  }
 }
 
 }  // namespace
@@ -81,10 +113,14 @@ bool LcmSink::open() noexcept {
       return false;
     }
   }
+  const std::vector<int> open_before = open_descriptors();
   lcm_ = ::lcm_create(url_.text.c_str());
   if (lcm_ == nullptr) {
     set_problem("liblcm refuses its URL", 0, "see lcm.url, and what liblcm wrote to the log");
     return false;
+  }
+  if (url_.transport == LcmTransport::Multicast) {
+    leave_group(url_.group, open_before);
   }
   return true;
 }

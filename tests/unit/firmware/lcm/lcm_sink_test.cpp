@@ -71,6 +71,37 @@ class LcmSinkOnline : public testing::Test {
   }
 };
 
+/// Groups that the thread's network takes datagrams of, beside that of all hosts.
+std::size_t joined_groups() {
+  std::ifstream table("/proc/thread-self/net/igmp");
+  std::string line;
+  std::size_t groups = 0;
+  while (std::getline(table, line)) {
+    groups += line.starts_with("\t\t\t\t") && line.find("010000E0") == std::string::npos ? 1 : 0;
+  }
+  return groups;
+}
+
+TEST_F(LcmSinkOnline, JoinsNoGroupForItOnlySends) {
+  online([] {
+    ASSERT_TRUE(tests::open_multicast_route());
+    {
+      const Listener listener;
+      ASSERT_TRUE(listener.joined());
+      EXPECT_EQ(joined_groups(), 1U) << "else this test sees nothing";
+    }
+    EXPECT_EQ(joined_groups(), 0U);
+    LcmSink sink(default_url());
+    sink.service(seconds(0));
+    ASSERT_TRUE(sink.is_open());
+    EXPECT_EQ(joined_groups(), 0U);
+    Listener listener;
+    const std::array<std::uint8_t, 3> bytes{1, 2, 3};
+    EXPECT_TRUE(sink.publish(LcmChannel("A"), bytes));
+    EXPECT_FALSE(listener.next().empty()) << "what it sends still arrives";
+  });
+}
+
 TEST_F(LcmSinkOnline, WaitsForARouteAndSaysSo) {
   online([] {
     LcmSink sink(default_url());
