@@ -43,20 +43,18 @@ CommandError bad_input(const InputError& error) {
   return {error.message + '\n', EX_NOINPUT};
 }
 
-/// The recording that is to be replayed; nothing when the inputs are files of scans.
-tl::expected<std::optional<RecordingFile>, CommandError> find_recording(
+/// The recordings in the file that is to be replayed; none when the inputs are files of scans.
+tl::expected<std::vector<RecordingFile>, CommandError> find_recordings(
     const std::vector<std::filesystem::path>& inputs) {
   const auto found = std::find_if(inputs.begin(), inputs.end(), is_event_log_file);
   if (found == inputs.end()) {
-    return std::nullopt;
+    return std::vector<RecordingFile>{};
   }
   if (inputs.size() > 1) {
     return tl::unexpected(CommandError{
         found->string() + ": a recording is replayed alone; give it as the only INPUT\n", EX_USAGE});
   }
-  return open_recording(*found)
-      .map([](RecordingFile&& recording) { return std::optional(std::move(recording)); })
-      .map_error(bad_input);
+  return open_recordings(*found).map_error(bad_input);
 }
 
 /// Leaves out what the command line names itself: the results of an earlier run, the truth, the settings.
@@ -72,10 +70,10 @@ void leave_out_own(const Options& options, std::vector<NotRead>& not_read) {
 }
 
 /// What the recording was made with, under --config and --set.
-tl::expected<firmware::LoadedConfig, CommandError> load_for(const std::optional<RecordingFile>& recording,
+tl::expected<firmware::LoadedConfig, CommandError> load_for(const RecordingFile* recording,
                                                             const ConfigOptions& options) {
   firmware::LoadedConfig base;
-  if (recording && recording->config) {
+  if (recording != nullptr && recording->config) {
     const std::string name = recording->path.string() + " (settings)";
     const auto errors = firmware::apply_config_toml(base, *recording->config, name);
     if (!errors.empty()) {
@@ -85,14 +83,36 @@ tl::expected<firmware::LoadedConfig, CommandError> load_for(const std::optional<
   return load(options, std::move(base));
 }
 
+/// Each recording with its own settings, one after the other.
+tl::expected<Replay, CommandError> replay_all(const std::vector<RecordingFile>& recordings,
+                                              const Options& options, const ReplayProgress& progress) {
+  Replay all;
+  for (const RecordingFile& recording : recordings) {
+    const auto loaded = load_for(&recording, options.config);
+    if (!loaded) {
+      return tl::unexpected(loaded.error());
+    }
+    auto replayed = replay_recording(recording, loaded->config, progress);
+    if (!replayed) {
+      return tl::unexpected(bad_input(replayed.error()));
+    }
+    all = joined(std::move(all), std::move(*replayed));
+  }
+  if (recordings.size() > 1) {
+    all.notes.push_back(recordings.front().path.string() + ": " + std::to_string(recordings.size()) +
+                        " recordings are joined in it; each was replayed from its own first scan on, and the "
+                        "map is that of the last");
+  }
+  return all;
+}
+
 tl::expected<Replay, CommandError> make_replay(const Options& options,
-                                               const std::optional<RecordingFile>& recording,
+                                               const std::vector<RecordingFile>& recordings,
                                                const firmware::Config& config) {
   ProgressBar bar("replay");
   const auto progress = [&](std::size_t done, std::size_t total, const FixRow&) { bar.update(done, total); };
-  return (recording ? replay_recording(*recording, config, progress)
-                    : replay(options.inputs, config, progress))
-      .map_error(bad_input);
+  return recordings.empty() ? replay(options.inputs, config, progress).map_error(bad_input)
+                            : replay_all(recordings, options, progress);
 }
 
 tl::expected<std::optional<Evaluation>, CommandError> compare(const std::vector<TimedPose>& truth,
@@ -126,11 +146,11 @@ void print(const Replay& result, const std::optional<Evaluation>& evaluation, co
 /// Exit status EX_DATAERR when the replay is incomplete or the truth has none of its times, after everything
 /// that could be done is done.
 CommandResult run(const Options& options) {
-  const auto recording = find_recording(options.inputs);
-  if (!recording) {
-    return tl::unexpected(recording.error());
+  const auto recordings = find_recordings(options.inputs);
+  if (!recordings) {
+    return tl::unexpected(recordings.error());
   }
-  const auto loaded = load_for(*recording, options.config);
+  const auto loaded = load_for(recordings->empty() ? nullptr : &recordings->front(), options.config);
   if (!loaded) {
     return tl::unexpected(loaded.error());
   }
@@ -138,7 +158,7 @@ CommandResult run(const Options& options) {
   if (!truth) {
     return tl::unexpected(truth.error());
   }
-  auto result = make_replay(options, *recording, loaded->config);
+  auto result = make_replay(options, *recordings, loaded->config);
   if (!result) {
     return tl::unexpected(result.error());
   }

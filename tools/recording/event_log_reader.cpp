@@ -131,6 +131,15 @@ std::optional<LogEvent> EventLogReader::next() {
   return std::nullopt;
 }
 
+std::optional<LogEvent> LogPartReader::next() {
+  const auto event = log_.next();
+  if (event) {
+    part_ += event->number < last_number_ ? 1 : 0;
+    last_number_ = event->number;
+  }
+  return event;
+}
+
 bool is_event_log(std::string_view bytes) noexcept {
   const auto sync = sync_bytes();
   return bytes.size() >= sync.size() &&

@@ -58,6 +58,25 @@ class EventLogReader {
   std::vector<std::uint8_t> window_;
 };
 
+/// The events of a log that several were joined to, as `cat a b` does: each part numbers its events anew.
+class LogPartReader {
+ public:
+  /// Of `log`, which outlives this.
+  explicit LogPartReader(std::istream& log) : log_(log) {}
+
+  /// The next event, as EventLogReader gives it.
+  [[nodiscard]] std::optional<LogEvent> next();
+
+  /// Of the event that was given last; the first part is 0.
+  [[nodiscard]] std::size_t part() const noexcept { return part_; }
+  [[nodiscard]] const EventLogReader& log() const noexcept { return log_; }
+
+ private:
+  EventLogReader log_;
+  std::int64_t last_number_ = -1;
+  std::size_t part_ = 0;
+};
+
 /// Whether a file that begins with `bytes` is an event log.
 [[nodiscard]] bool is_event_log(std::string_view bytes) noexcept;
 

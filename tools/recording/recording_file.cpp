@@ -6,6 +6,7 @@
 #include "tools/input/file.hpp"
 #include "tools/recording/event_log_reader.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -15,11 +16,15 @@ namespace {
 
 class FileChunks final : public ChunkSource {
  public:
-  explicit FileChunks(const std::filesystem::path& path) : file_(path, std::ios::binary), log_(file_) {}
+  explicit FileChunks(const RecordingFile& recording)
+      : file_(recording.path, std::ios::binary), log_(file_), part_(recording.part) {}
 
   std::optional<Chunk> next() override {
     while (const auto event = log_.next()) {
-      if (event->channel != firmware::kTapeChannel) {
+      if (log_.part() > part_) {
+        break;
+      }
+      if (log_.part() < part_ || event->channel != firmware::kTapeChannel) {
         continue;
       }
       if (const auto block = firmware::decode_block(event->data)) {
@@ -31,7 +36,8 @@ class FileChunks final : public ChunkSource {
 
  private:
   std::ifstream file_;
-  EventLogReader log_;
+  LogPartReader log_;
+  std::size_t part_;
 };
 
 /// Sorts the events of a log into a RecordingFile.
@@ -59,7 +65,8 @@ class Sorter {
     }
   }
 
-  void finish(const EventLogReader& log) {
+  /// `bytes_lost` of the file belong to no event.
+  void finish(std::uint64_t bytes_lost) {
     if (recording_.chunks > 0 && !recording_.config) {
       say("its settings (" + std::string(firmware::kConfigChannel) +
           ") are missing or damaged; the defaults and --config are used instead");
@@ -67,10 +74,9 @@ class Sorter {
     if (damaged_ > 0) {
       say(std::to_string(damaged_) + " of its own messages are damaged");
     }
-    if (log.bytes_passed_over() > 0) {
-      say(std::to_string(log.bytes_passed_over()) + " bytes belong to no event and were passed over");
+    if (bytes_lost > 0) {
+      say(std::to_string(bytes_lost) + " bytes belong to no event and were passed over");
     }
-    recording_.is_truncated = log.is_truncated();
   }
 
  private:
@@ -105,6 +111,26 @@ class Sorter {
   std::uint64_t damaged_ = 0;
 };
 
+/// All recordings of a file.
+std::vector<RecordingFile> sorted_parts(std::istream& file, const std::filesystem::path& path) {
+  LogPartReader log(file);
+  std::vector<RecordingFile> parts;
+  auto event = log.next();
+  do {
+    RecordingFile& recording = parts.emplace_back();
+    recording.path = path;
+    recording.part = log.part();
+    Sorter sorter(recording);
+    const std::uint64_t lost_before = parts.size() == 1 ? 0 : log.log().bytes_passed_over();
+    for (; event && log.part() == recording.part; event = log.next()) {
+      sorter.add(*event);
+    }
+    sorter.finish(log.log().bytes_passed_over() - lost_before);
+  } while (event);
+  parts.back().is_truncated = log.log().is_truncated();
+  return parts;
+}
+
 }  // namespace
 
 bool is_event_log_file(const std::filesystem::path& path) {
@@ -112,31 +138,25 @@ bool is_event_log_file(const std::filesystem::path& path) {
   return start && is_event_log(*start);
 }
 
-tl::expected<RecordingFile, InputError> open_recording(const std::filesystem::path& path) {
+tl::expected<std::vector<RecordingFile>, InputError> open_recordings(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) {
     return refuse(path.string(), std::string("cannot be opened: ") + std::strerror(errno));
   }
-  RecordingFile recording;
-  recording.path = path;
-  EventLogReader log(file);
-  Sorter sorter(recording);
-  while (const auto event = log.next()) {
-    sorter.add(*event);
-  }
-  sorter.finish(log);
-  if (recording.chunks == 0 && recording.scan_messages == 0) {
+  std::vector<RecordingFile> parts = sorted_parts(file, path);
+  const auto has_scans = [](const RecordingFile& part) { return part.chunks > 0 || part.scan_messages > 0; };
+  if (std::none_of(parts.begin(), parts.end(), has_scans)) {
     return refuse(path.string(),
                   "is an LCM event log without scans: neither a tape (" +
                       std::string(firmware::kTapeChannel) +
                       ") nor slamsensor.scan_t messages; record with slamsensor record, or log the sensor's "
                       "SCAN channel");
   }
-  return recording;
+  return parts;
 }
 
-std::unique_ptr<ChunkSource> open_tape(const std::filesystem::path& path) {
-  return std::make_unique<FileChunks>(path);
+std::unique_ptr<ChunkSource> open_tape(const RecordingFile& recording) {
+  return std::make_unique<FileChunks>(recording);
 }
 
 }  // namespace slamsensor::tools

@@ -17,9 +17,10 @@
 
 namespace slamsensor::tools {
 
-/// All of a recording but its tape, or of any other LCM event log. The tape is read chunk by chunk.
+/// All of one recording but its tape, or of any other LCM event log. The tape is read chunk by chunk.
 struct RecordingFile {
   std::filesystem::path path;
+  std::size_t part = 0;  ///< which of the recordings in the file, where several were joined
   std::uint64_t events = 0;
   std::optional<std::string> config;  ///< TOML of the settings in force
   std::vector<std::uint8_t> map;      ///< the file of the map that the run began with; empty without one
@@ -35,10 +36,12 @@ struct RecordingFile {
 /// Whether `path` is a file that begins as an LCM event log does.
 [[nodiscard]] bool is_event_log_file(const std::filesystem::path& path);
 
-/// Reads all of `path` once. Damage is no error: what is whole counts.
-[[nodiscard]] tl::expected<RecordingFile, InputError> open_recording(const std::filesystem::path& path);
+/// Reads all of `path` once. Each recording in it, at least one, in the order of the file. Damage is no
+/// error: what is whole counts.
+[[nodiscard]] tl::expected<std::vector<RecordingFile>, InputError> open_recordings(
+    const std::filesystem::path& path);
 
-/// The undamaged chunks of the tape in `path`, in the order of the file.
-[[nodiscard]] std::unique_ptr<ChunkSource> open_tape(const std::filesystem::path& path);
+/// The undamaged chunks of the tape of `recording`, in the order of the file.
+[[nodiscard]] std::unique_ptr<ChunkSource> open_tape(const RecordingFile& recording);
 
 }  // namespace slamsensor::tools

@@ -6,12 +6,15 @@ namespace slamsensor::tools {
 
 using firmware::ScanMessage;
 
-ScanLog::ScanLog(const std::filesystem::path& path)
-    : name_(path.string()), file_(path, std::ios::binary), log_(file_) {
+ScanLog::ScanLog(const std::filesystem::path& path, std::size_t part)
+    : name_(path.string()), file_(path, std::ios::binary), log_(file_), part_(part) {
 }
 
 std::optional<ScanMessage> ScanLog::next_message() {
   while (const auto event = log_.next()) {
+    if (log_.part() != part_) {
+      continue;
+    }
     if (const auto message = firmware::decode_lcm<ScanMessage>(event->data)) {
       ++messages_;
       return message;

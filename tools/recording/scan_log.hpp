@@ -26,7 +26,8 @@ struct LoggedScan {
 /// order. A scan of which a message is missing is refused, not given out.
 class ScanLog {
  public:
-  explicit ScanLog(const std::filesystem::path& path);
+  /// Those of the recording `part` of the file (RecordingFile::part).
+  ScanLog(const std::filesystem::path& path, std::size_t part);
 
   /// The next scan, or nothing after the last.
   [[nodiscard]] std::optional<LoggedScan> next();
@@ -43,7 +44,8 @@ class ScanLog {
 
   std::string name_;
   std::ifstream file_;
-  EventLogReader log_;
+  LogPartReader log_;
+  std::size_t part_;
   LoggedScan scan_;
   std::int32_t chunks_ = 0;                   // that scan_ has so far; 0: none is begun
   std::int64_t begun_by_ = 0;                 // initialization of the daemon that sent it

@@ -4,6 +4,8 @@
 #include "tools/replay/replay_run.hpp"
 
 #include <chrono>
+#include <iterator>
+#include <utility>
 
 namespace slamsensor::tools {
 namespace {
@@ -20,6 +22,27 @@ double seconds_of(std::chrono::nanoseconds time) {
 }
 
 }  // namespace
+
+Replay joined(Replay first, Replay second) {
+  const auto put_before = [](auto& list, auto& before) {
+    list.insert(list.begin(), std::make_move_iterator(before.begin()), std::make_move_iterator(before.end()));
+  };
+  put_before(second.rows, first.rows);
+  put_before(second.refused, first.refused);
+  put_before(second.notes, first.notes);
+  second.is_damaged = second.is_damaged || first.is_damaged;
+  second.fixes_compared += first.fixes_compared;
+  second.fixes_alike += first.fixes_alike;
+  second.counters.landmarks_cut += first.counters.landmarks_cut;
+  second.counters.landmarks_refused += first.counters.landmarks_refused;
+  second.counters.neighbours_dropped += first.counters.neighbours_dropped;
+  second.counters.searches_cut += first.counters.searches_cut;
+  second.cells_dropped += first.cells_dropped;
+  second.readings_refused += first.readings_refused;
+  second.landmarks_evicted += first.landmarks_evicted;
+  second.path_thinnings += first.path_thinnings;
+  return second;
+}
 
 tl::expected<Replay, InputError> replay(const std::vector<std::filesystem::path>& inputs,
                                         const firmware::Config& config, const ReplayProgress& progress) {

@@ -39,6 +39,10 @@ struct Replay {
   std::uint64_t path_thinnings = 0;
 };
 
+/// `first`, and then `second`, which began with a map of its own: its rows and notes follow, counts are
+/// added, and the map is the second's.
+[[nodiscard]] Replay joined(Replay first, Replay second);
+
 /// Told after every scan; `total` scans in all.
 using ReplayProgress = std::function<void(std::size_t done, std::size_t total, const FixRow& row)>;
 

@@ -123,7 +123,7 @@ class TapeReplay {
 
 tl::expected<Replay, InputError> replay_tape(const RecordingFile& recording, const firmware::Config& config,
                                              const ReplayProgress& progress) {
-  const auto chunks = open_tape(recording.path);
+  const auto chunks = open_tape(recording);
   const auto playback = HeadPlayback::create(*chunks, config);
   if (!playback) {
     return refuse(recording.path.string(), playback.error().message);
@@ -149,7 +149,7 @@ Replay replay_scan_messages(const RecordingFile& recording, const firmware::Conf
     result.notes.push_back(recording.path.string() +
                            ": its last event is cut off, as when a logger is killed");
   }
-  ScanLog log(recording.path);
+  ScanLog log(recording.path, recording.part);
   while (const auto scan = log.next()) {
     const std::size_t count =
         std::min<std::size_t>(scan->landmarks.size(), config.core.detection.landmarks_max);

@@ -17,6 +17,7 @@
 #include <functional>
 #include <iterator>
 #include <sstream>
+#include <tuple>
 
 namespace slamsensor::tools {
 namespace {
@@ -70,6 +71,10 @@ firmware::Config settings_of(const RecordingFile& recording) {
   return loaded.config;
 }
 
+tl::expected<RecordingFile, InputError> first_recording(const std::filesystem::path& path) {
+  return open_recordings(path).map([](const std::vector<RecordingFile>& all) { return all.front(); });
+}
+
 class RecordReplay : public testing::Test {
  protected:
   RecordSummary record(const Scenario& scenario, std::uint32_t scans, const std::string& name = "drive.lcm") {
@@ -83,7 +88,7 @@ class RecordReplay : public testing::Test {
   }
   /// With the settings in the recording.
   Replay replay_of(const std::string& name = "drive.lcm") {
-    const auto recording = open_recording(folder_.path() / name);
+    const auto recording = first_recording(folder_.path() / name);
     EXPECT_TRUE(recording) << recording.error().message;
     const auto replayed = replay_recording(*recording, settings_of(*recording));
     EXPECT_TRUE(replayed) << replayed.error().message;
@@ -110,8 +115,8 @@ void expect_same(const std::vector<core::Reading>& played, const std::vector<cor
 using Scan = std::vector<std::vector<core::Reading>>;
 
 std::vector<Scan> played_scans(const std::filesystem::path& path) {
-  const auto recording = open_recording(path);
-  const auto chunks = open_tape(path);
+  const auto recording = first_recording(path);
+  const auto chunks = open_tape(*recording);
   const auto playback = HeadPlayback::create(*chunks, settings_of(*recording));
   EXPECT_TRUE(playback) << playback.error().message;
   std::vector<Scan> scans;
@@ -194,7 +199,7 @@ TEST_F(RecordReplay, ABusIsRecordedToo) {
 
 TEST_F(RecordReplay, OtherSettingsOfADriverAreADivergenceThatIsTold) {
   static_cast<void>(record(scenario_of("fast.toml"), 2));
-  const auto recording = open_recording(folder_.path() / "drive.lcm");
+  const auto recording = first_recording(folder_.path() / "drive.lcm");
   firmware::Config config = settings_of(*recording);
   config.scan_head.scan.tilt_max_rad += 0.01;
   const auto replayed = replay_recording(*recording, config);
@@ -269,7 +274,7 @@ TEST_F(RecordReplay, ALogOfTheSensorsScansIsLocalisedWithoutATape) {
   const auto is_scan = [](const LogEvent& event, auto&) { return event.channel == "SLAMSENSOR_SCAN"; };
   const std::string scans =
       edited(content(folder_.path() / "drive.lcm"), is_scan, folder_.path() / "scans.lcm");
-  const auto recording = open_recording(folder_.path() / "scans.lcm");
+  const auto recording = first_recording(folder_.path() / "scans.lcm");
   ASSERT_TRUE(recording) << recording.error().message;
   EXPECT_EQ(recording->chunks, 0);
   const auto replayed = replay_recording(*recording, small_config());
@@ -281,9 +286,35 @@ TEST_F(RecordReplay, ALogOfTheSensorsScansIsLocalisedWithoutATape) {
     EXPECT_TRUE(same_bits(replayed->rows[i].t_s, taped.rows[i].t_s));
   }
   write("none.lcm", scans.substr(0, 40));
-  const auto none = open_recording(folder_.path() / "none.lcm");
+  const auto none = first_recording(folder_.path() / "none.lcm");
   ASSERT_FALSE(none);
   EXPECT_THAT(none.error().message, HasSubstr("without scans"));
+}
+
+TEST_F(RecordReplay, RecordingsThatWereJoinedAreAllReplayed) {
+  static_cast<void>(record(scenario_of("fast.toml"), 2, "a.lcm"));
+  Scenario other = scenario_of("fast.toml");
+  other.seed += 1;
+  static_cast<void>(record(other, 3, "b.lcm"));
+  const std::string a = content(folder_.path() / "a.lcm");
+  const std::string b = content(folder_.path() / "b.lcm");
+  for (const auto& [bytes, parts, scans, is_whole] : {std::tuple(a + b, 2U, 5U, true),
+                                                      {a + b + a, 3U, 7U, true},
+                                                      {a.substr(0, a.size() - 30) + b, 2U, 4U, false}}) {
+    write("joined.lcm", bytes);
+    const auto recordings = open_recordings(folder_.path() / "joined.lcm");
+    ASSERT_TRUE(recordings) << recordings.error().message;
+    ASSERT_EQ(recordings->size(), parts);
+    Replay all;
+    for (const RecordingFile& recording : *recordings) {
+      auto replayed = replay_recording(recording, settings_of(recording));
+      ASSERT_TRUE(replayed) << replayed.error().message;
+      all = joined(std::move(all), std::move(*replayed));
+    }
+    EXPECT_EQ(all.rows.size(), scans);
+    EXPECT_EQ(all.fixes_alike, scans);
+    EXPECT_EQ(all.is_damaged, !is_whole);
+  }
 }
 
 }  // namespace
