@@ -8,6 +8,8 @@ namespace {
 // As signed words: -1 too weak, -2 saturated, -4 blinded by ambient light.
 constexpr std::array kMiniCodes = {RangeCode{0xFFFF, Echo::None}, RangeCode{0xFFFE, Echo::Saturated},
                                    RangeCode{0xFFFC, Echo::Fault}};
+constexpr std::uint16_t kOverexposed =
+    0xFFFF;  // as strength: the echo was too strong, whatever the distance says
 constexpr std::uint16_t kFirstCode = 0x8000;  // no member of the family measures 327 m
 constexpr std::uint8_t kReliableFrom = 7;
 constexpr std::uint8_t kReliableTo = 8;
@@ -42,8 +44,13 @@ Measurement measured(const BenewakeReading& reading, const BenewakeProduct& prod
   for (const RangeCode& code : product.codes) {
     if (reading.distance_cm == code.word) {
       out.echo = code.echo;
-      return out;
     }
+  }
+  if (reading.strength == kOverexposed && out.echo != Echo::Fault) {
+    out.echo = Echo::Saturated;
+  }
+  if (out.echo != Echo::Return) {
+    return out;
   }
   if (reading.distance_cm == 0 || (over_range_cm > 0 && reading.distance_cm >= over_range_cm)) {
     out.echo = Echo::None;
