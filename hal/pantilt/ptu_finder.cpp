@@ -10,6 +10,10 @@ namespace {
 constexpr std::string_view kLooking = "looking for the pan-tilt unit on its serial line";
 constexpr std::string_view kSilent =
     "pan-tilt unit: no reply at any of the configured line rates; check its power, the cable and the rates";
+constexpr std::string_view kRefuses =
+    "pan-tilt unit: it answers, but refuses the commands ED, FT and V that every unit of this kind knows; "
+    "check "
+    "that this port leads to the unit itself, and its firmware";
 constexpr std::string_view kBusy = "pan-tilt unit: it is resetting or moving; waiting until it rests";
 
 /// Ends a monitor scan and half a command, whatever the firmware ends commands with.
@@ -38,6 +42,7 @@ void PtuFinder::begin(Stamp now) noexcept {
   signs_ = 0;
   attempts_ = 0;
   replied_ = false;
+  refused_ = false;
   recovering_ = false;
   problem_ = kLooking;
   enter(Phase::Wake, now);
@@ -78,6 +83,7 @@ void PtuFinder::on_answer(const PtuAnswer& answer, Stamp now) noexcept {
   if (phase_ == Phase::Rate) {
     on_rate(answer, now);
   } else if (answer.outcome != PtuOutcome::Done) {
+    refused_ = refused_ || answer.outcome == PtuOutcome::Refused;
     fail(now);
   } else if (phase_ == Phase::Version) {
     on_version(now);
@@ -185,11 +191,12 @@ void PtuFinder::give_up_rate(Stamp now) noexcept {
       counters_.count(PtuEvent::BaudFallbacks);
       break;
     case PtuRates::Step::WentRound:
-      problem_ = kSilent;
+      problem_ = refused_ ? kRefuses : kSilent;
+      refused_ = false;
       recover_network(now);
       break;
     case PtuRates::Step::Next:
-      problem_ = problem_ == kSilent ? kSilent : kLooking;
+      problem_ = problem_ == kSilent || problem_ == kRefuses ? problem_ : kLooking;
       break;
   }
   enter(Phase::Wake, now + kRatePause);

@@ -76,6 +76,7 @@ class PtuFinder {
   std::uint32_t attempts_ = 0;
   bool recovering_ = false;
   bool recovered_ = false;
+  bool refused_ = false;  // a command, since the last round of all rates
 };
 
 }  // namespace slamsensor::hal

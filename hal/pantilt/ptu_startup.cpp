@@ -4,6 +4,13 @@ namespace slamsensor::hal {
 namespace {
 
 constexpr std::string_view kResting = "pan-tilt unit: waiting until it rests";
+constexpr std::string_view kRefusesPositions =
+    "pan-tilt unit: it refuses the queries PP and TP for its positions; check that both axes are connected "
+    "to it";
+constexpr std::string_view kRefusesFacts =
+    "pan-tilt unit: it refuses queries for its limits, speeds or resolution; check that both axes are "
+    "connected "
+    "to it, and its firmware";
 constexpr std::string_view kResetting = "pan-tilt unit: it is resetting";
 constexpr std::string_view kSettingUp = "pan-tilt unit: setting it up";
 constexpr std::string_view kRestless =
@@ -203,10 +210,11 @@ void PtuStartup::on_rest(const PtuAnswer& answer, Stamp now) noexcept {
   } else {
     rest_.restart();
   }
+  refused_ = answer.outcome == PtuOutcome::Refused;
   if (rest_.resting() && limits_quiet(now)) {
     enter(Phase::Facts, now);
   } else if (now >= rest_end_) {
-    fault(kRestless, now);
+    fault(refused_ ? kRefusesPositions : kRestless, now);
   }
 }
 
@@ -215,8 +223,10 @@ void PtuStartup::on_fact(const PtuAnswer& answer, Stamp now) noexcept {
     settle_again(now);
   } else if (answer.outcome == PtuOutcome::Refused) {
     inquiry_.restart();
+    refused_ = true;
     judge_facts(now);
   } else {
+    refused_ = false;
     inquiry_.answer(answer.value);
     if (inquiry_.done()) {
       judge_facts(now);
@@ -231,11 +241,11 @@ void PtuStartup::judge_facts(Stamp now) noexcept {
   const bool in_doubt = (went_home || !possible) && config_.reset != PtuReset::Never;
   const bool reset = !reset_done_ && (reset_wanted_ || in_doubt);
   if (reset && resets_ >= kResetsMax) {
-    fault(kResetFailed, now);
+    fault(refused_ ? kRefusesFacts : kResetFailed, now);
   } else if (reset) {
     enter(Phase::Reset, now);
   } else if (!possible) {
-    fault(kImpossible, now);
+    fault(refused_ ? kRefusesFacts : kImpossible, now);
   } else {
     reset_wanted_ = config_.reset == PtuReset::Always;
     is_away_ = false;

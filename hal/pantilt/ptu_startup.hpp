@@ -99,6 +99,7 @@ class PtuStartup {
   std::uint32_t settled_again_ = 0;
   bool reset_wanted_ = false;
   Stamp seen_{};             // its last answer
+  bool refused_ = false;     // the last query
   bool reset_done_ = false;  // and neither another one nor a time unseen since
   bool is_away_ = false;
 };

@@ -108,6 +108,40 @@ TEST(PtuReset, ResetsAUnitThatHasNoLimitsYet) {
   EXPECT_EQ(bench.unit.count("R"), 1);
 }
 
+/// The unit refuses `command` from now on.
+void refuse(PtuBench& bench, const std::string& command) {
+  constexpr std::size_t kMany = 5000;
+  for (std::size_t i = 0; i < kMany; ++i) {
+    bench.unit.mishaps.push_back(
+        {command, [](const std::string&) { return "! Illegal command entered\r\n"; }});
+  }
+}
+
+TEST(PtuReset, AUnitThatRefusesQueriesIsSaidToRefuseThem) {
+  for (const auto& [command, text] : {std::pair("PN", "refuses queries for its limits"),
+                                      {"TR", "refuses queries for its limits"},
+                                      {"PP", "refuses the queries PP and TP"}}) {
+    PtuBench bench(never_reset());
+    refuse(bench, command);
+    ASSERT_TRUE(bench.run(seconds(120), [&] { return bench.driver->state() == DeviceState::Faulted; }))
+        << command;
+    EXPECT_THAT(std::string(bench.driver->problem()), HasSubstr(text)) << command;
+    bench.unit.mishaps.clear();
+    EXPECT_TRUE(bench.run_until_ready(seconds(60))) << command;
+  }
+}
+
+TEST(PtuReset, AUnitThatRefusesItsVersionIsNotCalledSilent) {
+  PtuBench bench(never_reset());
+  refuse(bench, "V");
+  const auto is_said = [&] {
+    return bench.driver->problem().find("refuses the commands") != std::string_view::npos;
+  };
+  EXPECT_TRUE(bench.run(seconds(120), is_said)) << bench.driver->problem();
+  bench.unit.mishaps.clear();
+  EXPECT_TRUE(bench.run_until_ready(seconds(60)));
+}
+
 struct Fact {
   const char* query;
   const char* value;
