@@ -55,6 +55,13 @@ std::string_view advice_for(int error) noexcept {
 
 }  // namespace
 
+DeniedAdvice::DeniedAdvice(std::string_view group) noexcept {
+  Joined text;
+  text << "the unit keeps it from the service: add the line DeviceAllow=char-"
+       << (group.empty() ? "NAME" : group) << " rw (systemctl edit slamsensor), and restart";
+  text_ = FixedText<160>(text.view());
+}
+
 ReopenProblem describe(std::string_view kind, std::string_view name, const OpenFailure& failure) noexcept {
   Joined text;
   text << kind << " " << name << ": " << failure.doing;

@@ -21,6 +21,17 @@ struct OpenFailure {
   std::string_view advice;  ///< what to do; empty: that of the error itself
 };
 
+/// What to do where the unit of the service keeps it from a device of `group` (device_group): the line to add
+/// to the unit.
+class DeniedAdvice {
+ public:
+  explicit DeniedAdvice(std::string_view group) noexcept;
+  [[nodiscard]] std::string_view view() const noexcept { return text_.view(); }
+
+ private:
+  FixedText<160> text_;
+};
+
 /// "serial port /dev/ptu: open: Permission denied; add the user to the group of the device (dialout)": kind
 /// and name of the device, the failure, what to do. Takes no memory.
 [[nodiscard]] ReopenProblem describe(std::string_view kind, std::string_view name,

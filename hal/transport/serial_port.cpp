@@ -1,6 +1,7 @@
 #include "hal/transport/serial_port.hpp"
 
 #include "hal/clock.hpp"
+#include "hal/transport/device_group.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -98,6 +99,9 @@ void SerialPort::open(Stamp now) noexcept {
     }
   }
   if (fd_ < 0) {
+    // A file's mode is EACCES; EPERM is the device list of the service.
+    const DeniedAdvice denied(failure.error == EPERM ? device_group(config_.path.c_str()).view() : "");
+    failure.advice = failure.error == EPERM ? denied.view() : failure.advice;
     problem_ = describe(kKind, config_.path, failure);
     counters_.count(SerialEvent::OpenFailed);
     timer_.failed(now);
