@@ -2,7 +2,10 @@
 #include "firmware/device/head_drivers.hpp"
 #include "firmware/scan/scan_plan.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <string>
 
 namespace slamsensor::firmware {
@@ -58,6 +61,39 @@ bool strengths_agree(const hal::RangeConfig& range) {
 
 bool id_fits(std::uint32_t id, bool is_extended) {
   return is_extended || id <= 0x7FF;
+}
+
+/// Whether a frame of 11 bits with this identifier is one of CANopen's: of the whole network, or of `node`.
+bool is_canopen_id(std::uint32_t id, std::uint32_t node) {
+  constexpr std::array<std::uint32_t, 4> kOfAll = {0x000, 0x080, 0x100, 0x7E5};  // NMT, SYNC, TIME, LSS
+  constexpr std::array<std::uint32_t, 12> kOfNode = {0x080, 0x180, 0x200, 0x280, 0x300, 0x380,
+                                                     0x400, 0x480, 0x500, 0x580, 0x600, 0x700};
+  return std::find(kOfAll.begin(), kOfAll.end(), id) != kOfAll.end() ||
+         std::any_of(kOfNode.begin(), kOfNode.end(), [&](std::uint32_t base) { return base + node == id; });
+}
+
+/// Devices on one bus are told apart by their identifiers alone.
+void check_can_ids(Rules& rules) {
+  const HeadConfig& head = rules.config().head;
+  const hal::BenewakeCanConfig& can = head.benewake_can;
+  if (head.rangefinder != RangefinderKind::BenewakeCan) {
+    return;
+  }
+  rules.require(can.device_id != can.host_id || can.device_id_is_extended != can.host_id_is_extended,
+                {"benewake_can.device_id", "benewake_can.host_id"}, "is the same as");
+  if (head.pan_tilt != PanTiltKind::Canopen) {
+    return;
+  }
+  const auto is_free = [&](std::uint32_t id, bool is_extended) {
+    return is_extended ||
+           (!is_canopen_id(id, head.canopen.pan.node) && !is_canopen_id(id, head.canopen.tilt.node));
+  };
+  rules.require(is_free(can.device_id, can.device_id_is_extended),
+                {"benewake_can.device_id", "canopen_pan.node", "canopen_tilt.node"},
+                "is an identifier that CANopen uses on the same bus, with");
+  rules.require(is_free(can.host_id, can.host_id_is_extended),
+                {"benewake_can.host_id", "canopen_pan.node", "canopen_tilt.node"},
+                "is an identifier that CANopen uses on the same bus, with");
 }
 
 void check_rangefinder(Rules& rules) {
@@ -139,6 +175,7 @@ void check_head(Rules& rules) {
   check_reopen(rules);
   check_pan_tilt(rules);
   check_rangefinder(rules);
+  check_can_ids(rules);
   check_scan(rules);
   check_drivers(rules);
 }

@@ -2,6 +2,7 @@
 
 #include "firmware/config/rows/nmea_sentence_list.hpp"
 #include "firmware/config/rows/point_lists.hpp"
+#include "firmware/lcm/lcm_url.hpp"
 
 #include <algorithm>
 #include <arpa/inet.h>
@@ -70,8 +71,10 @@ constinit const TextRule kMapName = {"1 to 64 characters out of A-Z, a-z, 0-9, _
 constinit const TextRule kInterface = {"the name of a network interface, 1 to 15 characters", is_interface};
 constinit const TextRule kIpAddress = {"an IPv4 or IPv6 address", is_ip_address};
 constinit const TextRule kLcmUrl = {
-    "an LCM URL of at most 200 characters without spaces, or \"\"",
-    [](std::string_view text) { return text.size() <= 200 && is_word(text); }};
+    "an LCM URL of at most 200 characters, udpm://GROUP:PORT?ttl=N or memq://, or \"\"",
+    [](std::string_view text) {
+      return text.size() <= 200 && is_word(text) && (text.empty() || resolve_lcm_url(text, nullptr));
+    }};
 constinit const TextRule kLcmPrefix = {
     "at most 48 printable characters without spaces",
     [](std::string_view text) { return text.size() <= 48 && is_word(text); }};
