@@ -4,6 +4,7 @@ does not start, and says why. degraded_test.py SLAMSENSOR SLAMSENSORD"""
 import os
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -24,7 +25,7 @@ sys.exit(1)
 """
 # A sanitizer's mlockall() does nothing, and says that it did.
 MEMORY_TOLD = [] if os.environ.get("SLAMSENSOR_SANITIZED") else ["memory cannot be locked"]
-OK, USAGE, UNAVAILABLE, NOPERM, CONFIG = 0, 64, 69, 77, 78
+OK, USAGE, UNAVAILABLE, OSERR, NOPERM, CONFIG = 0, 64, 69, 71, 77, 78
 
 
 def able(*command):
@@ -217,6 +218,61 @@ class Degraded(unittest.TestCase):
             done = subprocess.run([PROGRAMS[1], *words], capture_output=True, text=True, timeout=30)
             self.assertEqual(done.returncode, USAGE, done.stderr)
             self.assertIn("slamsensord", done.stderr)
+
+    # What it shares the machine with.
+
+    def test_a_log_that_nobody_reads_stops_nothing(self):
+        os.mkfifo(self.sensor.log_path)
+        reader = os.open(self.sensor.log_path, os.O_RDONLY | os.O_NONBLOCK)
+        writer = os.open(self.sensor.log_path, os.O_WRONLY | os.O_NONBLOCK)
+        self.addCleanup(os.close, writer)
+        self.addCleanup(os.close, reader)
+        try:
+            while os.write(writer, bytes(4096)):
+                pass
+        except BlockingIOError:
+            pass
+        self.sensor.start_head()
+        self.sensor.start()
+        self.sensor.wait_scans()
+        lost = next(line for line in self.sensor.ask("counters")[0] if "log_lines_lost" in line)
+        self.assertGreater(int(re.findall(r"\d+", lost)[-1]), 0)
+        status, seconds = self.sensor.terminate()
+        self.assertEqual(status, OK)
+        self.assertLess(seconds, STOP_MAX_S)
+
+    def test_a_reload_waits_for_no_pipe(self):
+        self.sensor.start()
+        self.sensor.ask("version")
+        self.sensor.config.unlink()
+        os.mkfifo(self.sensor.config)
+        self.sensor.daemon.send_signal(signal.SIGHUP)
+        wait_for(lambda: "is not read again" in self.sensor.log(), "the reload to be refused")
+        self.assertIn("is a pipe or a socket", self.sensor.log())
+        self.sensor.ask("version")
+        self.ends()
+
+    def test_a_signal_that_means_nothing_ends_nothing(self):
+        self.sensor.start_head()
+        self.sensor.start({"map.autosave_s": 3600})
+        self.sensor.ask("version")
+        for number in (signal.SIGUSR2, signal.SIGALRM, signal.SIGRTMIN):
+            self.sensor.daemon.send_signal(number)
+        self.sensor.wait_fix()
+        self.sensor.daemon.send_signal(signal.SIGQUIT)
+        self.assertEqual(self.sensor.daemon.wait(30), OK, self.sensor.log())
+        self.assertTrue((self.sensor.maps / "default.slammap").exists(), "no last save: " + self.sensor.log())
+
+    def test_too_few_descriptors_are_refused(self):
+        if not able("prlimit", "--nofile=20:20", "true"):
+            self.skipTest("SKIPPED: prlimit is not here")
+        self.refuses(OSERR, "only 20 files may be open", "LimitNOFILE=", prefix=("prlimit", "--nofile=20:20"))
+
+    def test_too_little_memory_is_refused(self):
+        limited = ("prlimit", "--as=30000000")
+        if os.environ.get("SLAMSENSOR_SANITIZED") or not able(*limited, "true"):
+            self.skipTest("SKIPPED: prlimit is not here, or a sanitizer takes the memory")
+        self.refuses(OSERR, "out of memory", "[capacities]", prefix=limited)
 
     def test_a_stop_while_it_starts(self):
         self.sensor.start_head()
