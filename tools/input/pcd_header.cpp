@@ -1,5 +1,6 @@
 #include "tools/input/pcd_header.hpp"
 
+#include "tools/input/pcd_entries.hpp"
 #include "tools/input/text.hpp"
 
 #include <algorithm>
@@ -10,126 +11,30 @@
 namespace slamsensor::tools {
 namespace {
 
-enum Key : std::size_t {
-  kVersion,
-  kFields,
-  kSize,
-  kType,
-  kCount,
-  kWidth,
-  kHeight,
-  kViewpoint,
-  kPoints,
-  kData
-};
-constexpr std::array<std::string_view, 10> kKeys{"VERSION", "FIELDS", "SIZE",      "TYPE",   "COUNT",
-                                                 "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
-
-struct Entry {
-  std::vector<std::string_view> words;
-  std::size_t line = 0;  // 0: the key has not come
-};
-
-struct Entries {
-  std::array<Entry, kKeys.size()> of_key;
-  std::size_t end_bytes = 0;
-  std::size_t last_line = 0;
-};
-
 using Status = tl::expected<void, InputError>;
 
 constexpr double kQuaternionTolerance = 0.01;  // of its length; files are written with few decimals
 
-bool same_but_for_case(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [&](char x, char y) { return lower(x) == lower(y); });
-}
-
-std::optional<std::size_t> key_of(std::string_view word) {
-  if (same_but_for_case(word, "COLUMNS")) {  // what version 0.5 called FIELDS
-    return kFields;
-  }
-  const auto found = std::find_if(kKeys.begin(), kKeys.end(),
-                                  [&](std::string_view key) { return same_but_for_case(word, key); });
-  return found == kKeys.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - kKeys.begin()));
-}
-
-Status take_entry(const LineReader& lines, std::string_view name, Entries& entries) {
-  std::string_view rest = lines.line();
-  const std::string_view word = take_word(rest);
-  const std::optional<std::size_t> key = key_of(word);
-  if (!key) {
-    return refuse_line(name, lines.number(),
-                       in_quotes(word) + " is not a key of a PCD header; is this a PCD file?");
-  }
-  Entry& entry = entries.of_key[*key];
-  if (entry.line != 0) {
-    return refuse_line(
-        name, lines.number(),
-        std::string(kKeys[*key]) + " is already in line " + std::to_string(entry.line) + "; remove one");
-  }
-  entry.line = lines.number();
-  for (std::string_view value = take_word(rest); !value.empty(); value = take_word(rest)) {
-    if (entry.words.size() == kPcdFieldsMax) {
-      return refuse_line(name, entry.line,
-                         "has more than " + std::to_string(kPcdFieldsMax) + " values; leave fields out");
-    }
-    entry.words.push_back(value);
-  }
-  return {};
-}
-
-tl::expected<Entries, InputError> read_entries(std::string_view bytes, std::string_view name) {
-  if (auto checked = check_encoding(bytes, name); !checked) {
-    return tl::unexpected(std::move(checked.error()));
-  }
-  Entries entries;
-  LineReader lines(bytes.substr(0, kPcdHeaderBytesMax));
-  while (lines.next() && (lines.ended() || lines.consumed_bytes() == bytes.size())) {
-    if (auto taken = take_entry(lines, name, entries); !taken) {
-      return tl::unexpected(std::move(taken.error()));
-    }
-    entries.end_bytes = lines.consumed_bytes();
-    entries.last_line = lines.number();
-    if (entries.of_key[kData].line != 0) {
-      return entries;
-    }
-  }
-  return refuse(name, "no DATA line in its first " +
-                          std::to_string(std::min(bytes.size(), kPcdHeaderBytesMax)) +
-                          " bytes; is this a PCD file, and is it complete?");
-}
-
-Status check_present(const Entries& entries, std::string_view name) {
-  for (const Key key : {kFields, kSize, kType, kWidth, kHeight, kPoints}) {
-    if (entries.of_key[key].line == 0) {
-      return refuse(name, "the header has no " + std::string(kKeys[key]) + " line; add it before DATA");
-    }
-  }
-  return {};
-}
-
 // The one whole number of an entry, from `min` to `max`.
-tl::expected<std::uint64_t, InputError> bounded(std::string_view word, const Entry& entry, Key key,
+tl::expected<std::uint64_t, InputError> bounded(std::string_view word, const PcdEntry& entry, PcdKey key,
                                                 std::string_view name, std::uint64_t min, std::uint64_t max) {
   const std::optional<std::int64_t> value = parse_integer(word);
   if (!value || *value < 0 || static_cast<std::uint64_t>(*value) < min ||
       static_cast<std::uint64_t>(*value) > max) {
     return refuse_line(name, entry.line,
-                       std::string(kKeys[key]) + " is " + in_quotes(word) +
+                       std::string(kPcdKeys[key]) + " is " + in_quotes(word) +
                            "; allowed is a whole number from " + std::to_string(min) + " to " +
                            std::to_string(max));
   }
   return static_cast<std::uint64_t>(*value);
 }
 
-tl::expected<std::uint64_t, InputError> single(const Entries& entries, Key key, std::string_view name) {
-  const Entry& entry = entries.of_key[key];
+tl::expected<std::uint64_t, InputError> single(const PcdEntries& entries, PcdKey key, std::string_view name) {
+  const PcdEntry& entry = entries.of_key[key];
   if (entry.words.size() != 1) {
-    return refuse_line(
-        name, entry.line,
-        std::string(kKeys[key]) + " has " + std::to_string(entry.words.size()) + " values; it must have one");
+    return refuse_line(name, entry.line,
+                       std::string(kPcdKeys[key]) + " has " + std::to_string(entry.words.size()) +
+                           " values; it must have one");
   }
   return bounded(entry.words.front(), entry, key, name, 0, kPcdPointsMax);
 }
@@ -151,10 +56,11 @@ tl::expected<PcdType, InputError> parse_type(std::string_view word, std::size_t 
                          " does not exist; there are F of 4 and 8 bytes, I and U of 1, 2, 4 and 8");
 }
 
-tl::expected<PcdField, InputError> parse_field(const Entries& entries, std::size_t i, std::string_view name) {
-  const Entry& sizes = entries.of_key[kSize];
-  const Entry& types = entries.of_key[kType];
-  const Entry& counts = entries.of_key[kCount];
+tl::expected<PcdField, InputError> parse_field(const PcdEntries& entries, std::size_t i,
+                                               std::string_view name) {
+  const PcdEntry& sizes = entries.of_key[kSize];
+  const PcdEntry& types = entries.of_key[kType];
+  const PcdEntry& counts = entries.of_key[kCount];
   PcdField field;
   field.name = entries.of_key[kFields].words[i];
   const auto size_bytes = bounded(sizes.words[i], sizes, kSize, name, 1, 8);
@@ -177,13 +83,13 @@ tl::expected<PcdField, InputError> parse_field(const Entries& entries, std::size
   return field;
 }
 
-Status fill_fields(const Entries& entries, std::string_view name, PcdHeader& header) {
+Status fill_fields(const PcdEntries& entries, std::string_view name, PcdHeader& header) {
   const std::size_t fields = entries.of_key[kFields].words.size();
-  for (const Key key : {kSize, kType, kCount}) {
-    const Entry& entry = entries.of_key[key];
+  for (const PcdKey key : {kSize, kType, kCount}) {
+    const PcdEntry& entry = entries.of_key[key];
     if (entry.line != 0 && entry.words.size() != fields) {
       return refuse_line(name, entry.line,
-                         std::string(kKeys[key]) + " has " + std::to_string(entry.words.size()) +
+                         std::string(kPcdKeys[key]) + " has " + std::to_string(entry.words.size()) +
                              " values for " + std::to_string(fields) + " fields; it must have one for each");
     }
   }
@@ -222,7 +128,7 @@ tl::expected<std::optional<std::size_t>, InputError> find_field(const PcdHeader&
   return found;
 }
 
-Status place_fields(const Entries& entries, std::string_view name, PcdHeader& header) {
+Status place_fields(const PcdEntries& entries, std::string_view name, PcdHeader& header) {
   const std::size_t line = entries.of_key[kFields].line;
   const std::array<std::pair<std::string_view, std::size_t*>, 3> required{
       {{"x", &header.x}, {"y", &header.y}, {"z", &header.z}}};
@@ -241,7 +147,7 @@ Status place_fields(const Entries& entries, std::string_view name, PcdHeader& he
   });
 }
 
-Status fill_points(const Entries& entries, std::string_view name, PcdHeader& header) {
+Status fill_points(const PcdEntries& entries, std::string_view name, PcdHeader& header) {
   const auto width = single(entries, kWidth, name);
   const auto height = width ? single(entries, kHeight, name) : width;
   const auto points = height ? single(entries, kPoints, name) : height;
@@ -259,8 +165,8 @@ Status fill_points(const Entries& entries, std::string_view name, PcdHeader& hea
 }
 
 // The sensor's pose in the frame of the points: three metres and a quaternion, its real part first.
-Status fill_viewpoint(const Entries& entries, std::string_view name, PcdHeader& header) {
-  const Entry& entry = entries.of_key[kViewpoint];
+Status fill_viewpoint(const PcdEntries& entries, std::string_view name, PcdHeader& header) {
+  const PcdEntry& entry = entries.of_key[kViewpoint];
   if (entry.line == 0) {
     return {};
   }
@@ -290,14 +196,14 @@ Status fill_viewpoint(const Entries& entries, std::string_view name, PcdHeader& 
   return {};
 }
 
-Status fill_data(const Entries& entries, std::string_view name, PcdHeader& header) {
+Status fill_data(const PcdEntries& entries, std::string_view name, PcdHeader& header) {
   constexpr std::array<std::pair<std::string_view, PcdData>, 3> kKinds{
       {{"ascii", PcdData::Ascii},
        {"binary", PcdData::Binary},
        {"binary_compressed", PcdData::BinaryCompressed}}};
   header.data_offset_bytes = entries.end_bytes;
   header.data_line = entries.last_line + 1;
-  const Entry& entry = entries.of_key[kData];
+  const PcdEntry& entry = entries.of_key[kData];
   for (const auto& [word, kind] : kKinds) {
     if (entry.words.size() == 1 && same_but_for_case(entry.words.front(), word)) {
       header.data = kind;
@@ -312,12 +218,12 @@ Status fill_data(const Entries& entries, std::string_view name, PcdHeader& heade
 }  // namespace
 
 tl::expected<PcdHeader, InputError> parse_pcd_header(std::string_view bytes, std::string_view name) {
-  auto entries = read_entries(bytes, name);
+  auto entries = read_pcd_entries(bytes, name);
   if (!entries) {
     return tl::unexpected(std::move(entries.error()));
   }
   PcdHeader header;
-  const Status status = check_present(*entries, name)
+  const Status status = check_pcd_entries(*entries, name)
                             .and_then([&] { return fill_fields(*entries, name, header); })
                             .and_then([&] { return place_fields(*entries, name, header); })
                             .and_then([&] { return fill_points(*entries, name, header); })

@@ -1,8 +1,8 @@
 #include "tools/input/scan_names.hpp"
 
 #include "tools/input/input_scan.hpp"
+#include "tools/input/name_stamp.hpp"
 #include "tools/input/text.hpp"
-#include "tools/output/number_text.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -15,120 +15,6 @@ namespace {
 using std::chrono::nanoseconds;
 using Path = std::filesystem::path;
 using Numbers = std::vector<std::int64_t>;
-
-constexpr std::size_t kSecondsDigitsMin = 9;  // of a time since 1970; fewer are a counter or a date
-constexpr std::size_t kFractionDigits = 9;
-
-// A name in its digits and what stands between them: words[0] runs[0] words[1] ... words[n].
-struct Parts {
-  std::vector<std::string> words;
-  std::vector<std::string> runs;
-};
-
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
-
-Parts parts_of(const Path& file) {
-  Parts parts{{""}, {}};
-  bool in_run = false;
-  for (const char c : file.stem().string()) {
-    if (!is_digit(c)) {
-      if (in_run) parts.words.emplace_back();
-      parts.words.back() += c;
-    } else {
-      if (!in_run) parts.runs.emplace_back();
-      parts.runs.back() += c;
-    }
-    in_run = is_digit(c);
-  }
-  if (in_run) {
-    parts.words.emplace_back();
-  }
-  return parts;
-}
-
-// Seconds and the digits of their fraction, as a name gives them.
-struct Stamp {
-  std::string seconds;
-  std::string fraction;
-};
-
-// A run that counts milliseconds, microseconds or nanoseconds since 1970.
-std::optional<Stamp> whole_stamp(const std::string& run) {
-  constexpr std::size_t kSecondsDigits = 10;  // from 2001 to 2286
-  const bool is_stamp = run.size() == 13 || run.size() == 16 || run.size() == 19;
-  if (!is_stamp || run.front() == '0') {
-    return std::nullopt;
-  }
-  return Stamp{run.substr(0, kSecondsDigits), run.substr(kSecondsDigits)};
-}
-
-// Whether run i is the seconds and run i + 1 their fraction.
-bool is_fraction_next(const Parts& parts, std::size_t i) {
-  if (i + 1 >= parts.runs.size() || parts.runs[i].size() < kSecondsDigitsMin ||
-      parts.runs[i].size() > kSecondsDigitsMin + 1) {
-    return false;
-  }
-  const std::string& between = parts.words[i + 1];
-  const std::size_t digits = parts.runs[i + 1].size();
-  return between == "." ? digits <= kFractionDigits
-                        : (between == "_" || between == "-") && digits == kFractionDigits;
-}
-
-// The one stamp in a name; nothing when there is none or more than one.
-std::optional<Stamp> stamp_of(const Parts& parts) {
-  std::optional<Stamp> found;
-  for (std::size_t i = 0; i < parts.runs.size(); ++i) {
-    auto stamp = whole_stamp(parts.runs[i]);
-    if (is_fraction_next(parts, i)) {
-      stamp = Stamp{parts.runs[i], parts.runs[i + 1]};
-      ++i;
-    }
-    if (stamp && found) {
-      return std::nullopt;
-    }
-    found = stamp ? std::move(stamp) : std::move(found);
-  }
-  const bool fits = found && parse_integer(found->seconds).value_or(kScanNumberMax) < kScanNumberMax;
-  return fits ? found : std::nullopt;
-}
-
-// How the digits behind the point are meant.
-enum class Fraction : std::uint8_t { Decimal, UnpaddedNanoseconds };
-
-// Recorders that print seconds and nanoseconds as two whole numbers leave out leading zeros; others leave out
-// trailing ones. Fractions of one length are decimal.
-Fraction fraction_kind(const std::vector<Stamp>& stamps) {
-  bool same_length = true;
-  bool ends_in_zero = false;
-  bool starts_with_zero = false;
-  bool has_nine = false;
-  for (const auto& [seconds, fraction] : stamps) {
-    same_length = same_length && fraction.size() == stamps.front().fraction.size();
-    const bool is_lone_digit = fraction.size() == 1;
-    ends_in_zero = ends_in_zero || (!is_lone_digit && fraction.back() == '0');
-    starts_with_zero = starts_with_zero || (!is_lone_digit && fraction.front() == '0');
-    has_nine = has_nine || fraction.size() == kFractionDigits;
-  }
-  const bool unpadded = !same_length && has_nine && ends_in_zero && !starts_with_zero;
-  return unpadded ? Fraction::UnpaddedNanoseconds : Fraction::Decimal;
-}
-
-nanoseconds time_of(const Stamp& stamp, Fraction kind) {
-  std::string digits = stamp.fraction;
-  if (kind == Fraction::Decimal) {
-    digits.resize(kFractionDigits, '0');
-  }
-  return std::chrono::seconds(parse_integer(stamp.seconds).value_or(0)) +
-         nanoseconds(parse_integer(digits).value_or(0));
-}
-
-std::string shown_time(nanoseconds time) {
-  std::string digits = std::to_string(time.count() % 1'000'000'000);
-  return std::to_string(time.count() / 1'000'000'000) + "." +
-         std::string(kFractionDigits - digits.size(), '0') + digits;
-}
 
 template <typename Key>
 std::vector<std::size_t> order_of(const std::vector<Key>& keys) {
@@ -154,10 +40,11 @@ tl::unexpected<InputError> refuse_same(const Path& second, const Path& first, co
                 "has " + what + ", as has " + first.string() + "; rename one or leave one out");
 }
 
-tl::expected<ScanLabels, InputError> by_time(std::span<const Path> files, const std::vector<Stamp>& stamps) {
-  const Fraction kind = fraction_kind(stamps);
+tl::expected<ScanLabels, InputError> by_time(std::span<const Path> files,
+                                             const std::vector<NameStamp>& stamps) {
+  const StampFraction kind = fraction_kind(stamps);
   std::vector<nanoseconds> times;
-  for (const Stamp& stamp : stamps) {
+  for (const NameStamp& stamp : stamps) {
     times.push_back(time_of(stamp, kind));
   }
   if (const auto same = same_keys(times)) {
@@ -172,7 +59,7 @@ tl::expected<ScanLabels, InputError> by_time(std::span<const Path> files, const 
   }
   result.rule =
       std::string("by the time stamp in the names") +
-      (kind == Fraction::UnpaddedNanoseconds ? " (seconds and nanoseconds without leading zeros)" : "") +
+      (kind == StampFraction::UnpaddedNanoseconds ? " (seconds and nanoseconds without leading zeros)" : "") +
       ", " + shown_time(times[order.front()]) + " to " + shown_time(times[order.back()]) +
       " s, numbered from 0";
   return result;
@@ -208,7 +95,7 @@ tl::expected<ScanLabels, InputError> by_keys(std::span<const Path> files, const 
 }
 
 tl::expected<ScanLabels, InputError> by_last_number(std::span<const Path> files,
-                                                    const std::vector<Parts>& parts) {
+                                                    const std::vector<NameParts>& parts) {
   Numbers keys;
   for (std::size_t i = 0; i < files.size(); ++i) {
     const auto number =
@@ -222,10 +109,10 @@ tl::expected<ScanLabels, InputError> by_last_number(std::span<const Path> files,
 }
 
 // Whose numbers differ among names that are otherwise alike: the places of these numbers in a name.
-std::vector<std::size_t> differing_runs(const std::vector<Parts>& parts) {
+std::vector<std::size_t> differing_runs(const std::vector<NameParts>& parts) {
   std::vector<std::size_t> places;
   for (std::size_t run = 0; run < parts.front().runs.size(); ++run) {
-    const bool differs = std::any_of(parts.begin(), parts.end(), [&](const Parts& p) {
+    const bool differs = std::any_of(parts.begin(), parts.end(), [&](const NameParts& p) {
       return parse_integer(p.runs[run]) != parse_integer(parts.front().runs[run]);
     });
     if (differs) places.push_back(run);
@@ -256,7 +143,7 @@ tl::expected<ScanLabels, InputError> by_several_numbers(std::span<const Path> fi
 
 // Names that differ in numbers alone.
 tl::expected<ScanLabels, InputError> by_differing_numbers(std::span<const Path> files,
-                                                          const std::vector<Parts>& parts) {
+                                                          const std::vector<NameParts>& parts) {
   const std::vector<std::size_t> places = differing_runs(parts);
   if (places.empty()) {  // the same names in several folders
     return by_last_number(files, parts);
@@ -282,7 +169,7 @@ tl::expected<ScanLabels, InputError> by_differing_numbers(std::span<const Path> 
 }
 
 // A file that comes alone: nothing shows which of several numbers counts scans, so it is the longest.
-tl::expected<ScanLabels, InputError> alone(const Path& file, const Parts& parts) {
+tl::expected<ScanLabels, InputError> alone(const Path& file, const NameParts& parts) {
   if (parts.runs.empty()) {
     return ScanLabels{{ScanLabel{}}, ""};
   }
@@ -302,8 +189,8 @@ tl::expected<ScanLabels, InputError> label_scans(std::span<const Path> files) {
   if (files.empty()) {
     return ScanLabels{};
   }
-  std::vector<Parts> parts;
-  std::vector<Stamp> stamps;
+  std::vector<NameParts> parts;
+  std::vector<NameStamp> stamps;
   std::optional<std::size_t> without_stamp;
   for (const Path& file : files) {
     parts.push_back(parts_of(file));
@@ -325,8 +212,8 @@ tl::expected<ScanLabels, InputError> label_scans(std::span<const Path> files) {
   if (files.size() == 1) {
     return alone(files.front(), parts.front());
   }
-  const bool are_alike =
-      std::all_of(parts.begin(), parts.end(), [&](const Parts& p) { return p.words == parts.front().words; });
+  const bool are_alike = std::all_of(parts.begin(), parts.end(),
+                                     [&](const NameParts& p) { return p.words == parts.front().words; });
   return are_alike ? by_differing_numbers(files, parts) : by_last_number(files, parts);
 }
 

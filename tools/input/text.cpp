@@ -1,5 +1,6 @@
 #include "tools/input/text.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <system_error>
 
@@ -44,6 +45,12 @@ std::string_view trim(std::string_view text) {
     return {};
   }
   return text.substr(first, text.find_last_not_of(kBlanksAndReturn) - first + 1);
+}
+
+bool same_but_for_case(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [&](char x, char y) { return lower(x) == lower(y); });
 }
 
 std::string_view take_word(std::string_view& rest) {

@@ -18,6 +18,9 @@ namespace slamsensor::tools {
 /// `text` without spaces and tabs (and a carriage return) at both ends.
 [[nodiscard]] std::string_view trim(std::string_view text);
 
+/// Whether two texts are the same but for upper and lower case of ASCII.
+[[nodiscard]] bool same_but_for_case(std::string_view a, std::string_view b);
+
 /// Takes the first word off `rest` (words are parted by spaces and tabs); empty when there is none.
 [[nodiscard]] std::string_view take_word(std::string_view& rest);
 

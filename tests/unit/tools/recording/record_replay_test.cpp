@@ -1,12 +1,9 @@
-#include "firmware/recording/config_toml.hpp"
 #include "firmware/recording/event_log_writer.hpp"
 #include "firmware/recording/messages.hpp"
-#include "tests/support/source_tree.hpp"
-#include "tests/unit/tools/input/temp_folder.hpp"
+#include "tests/unit/tools/recording/recording_bench.hpp"
 #include "tools/drive/byte_drive.hpp"
 #include "tools/recording/event_log_reader.hpp"
 #include "tools/recording/head_playback.hpp"
-#include "tools/recording/record_drive.hpp"
 #include "tools/replay/replay_recording.hpp"
 
 #include <gmock/gmock.h>
@@ -17,7 +14,6 @@
 #include <functional>
 #include <iterator>
 #include <sstream>
-#include <tuple>
 
 namespace slamsensor::tools {
 namespace {
@@ -25,13 +21,6 @@ namespace {
 using testing::HasSubstr;
 
 constexpr double kLimit_s = 600.0;
-
-Scenario scenario_of(const std::string& name) {
-  const auto folder = tests::source_tree() / "config/scenarios";
-  auto scenario = load_scenario(folder / name);
-  EXPECT_TRUE(scenario) << scenario.error().message;
-  return *scenario;
-}
 
 /// A fast head on a bad day: every fault of its scenario soon and often.
 Scenario bad_day() {
@@ -44,60 +33,6 @@ Scenario bad_day() {
   }
   return scenario;
 }
-
-/// Eight lines through the trunks, few readings each.
-firmware::Config small_config() {
-  firmware::Config config;
-  config.scan_head.scan.pan_min_rad = -1.0;
-  config.scan_head.scan.pan_max_rad = 1.0;
-  config.scan_head.scan.pan_speed_radps = 5.0;
-  config.scan_head.scan.tilt_min_rad = -0.03;
-  config.scan_head.scan.tilt_max_rad = 0.04;
-  config.scan_head.scan.calibration_lines = 2;
-  config.core.capacities.map_landmarks = 500;
-  config.core.capacities.map_edges = 7000;
-  return config;
-}
-
-std::string content(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-firmware::Config settings_of(const RecordingFile& recording) {
-  firmware::LoadedConfig loaded;
-  const auto errors = firmware::apply_config_toml(loaded, recording.config.value_or(""), "recording");
-  EXPECT_TRUE(errors.empty()) << firmware::error_lines(errors);
-  return loaded.config;
-}
-
-tl::expected<RecordingFile, InputError> first_recording(const std::filesystem::path& path) {
-  return open_recordings(path).map([](const std::vector<RecordingFile>& all) { return all.front(); });
-}
-
-class RecordReplay : public testing::Test {
- protected:
-  RecordSummary record(const Scenario& scenario, std::uint32_t scans, const std::string& name = "drive.lcm") {
-    const auto summary = record_drive({.scenario = scenario,
-                                       .config = small_config(),
-                                       .out = folder_.path() / name,
-                                       .scans = scans,
-                                       .seconds = {}});
-    EXPECT_TRUE(summary) << summary.error().message;
-    return *summary;
-  }
-  /// With the settings in the recording.
-  Replay replay_of(const std::string& name = "drive.lcm") {
-    const auto recording = first_recording(folder_.path() / name);
-    EXPECT_TRUE(recording) << recording.error().message;
-    const auto replayed = replay_recording(*recording, settings_of(*recording));
-    EXPECT_TRUE(replayed) << replayed.error().message;
-    return *replayed;
-  }
-  void write(const std::string& name, const std::string& bytes) { folder_.write(name, bytes); }
-
-  TempFolder folder_;
-};
 
 bool same_bits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
@@ -289,32 +224,6 @@ TEST_F(RecordReplay, ALogOfTheSensorsScansIsLocalisedWithoutATape) {
   const auto none = first_recording(folder_.path() / "none.lcm");
   ASSERT_FALSE(none);
   EXPECT_THAT(none.error().message, HasSubstr("without scans"));
-}
-
-TEST_F(RecordReplay, RecordingsThatWereJoinedAreAllReplayed) {
-  static_cast<void>(record(scenario_of("fast.toml"), 2, "a.lcm"));
-  Scenario other = scenario_of("fast.toml");
-  other.seed += 1;
-  static_cast<void>(record(other, 3, "b.lcm"));
-  const std::string a = content(folder_.path() / "a.lcm");
-  const std::string b = content(folder_.path() / "b.lcm");
-  for (const auto& [bytes, parts, scans, is_whole] : {std::tuple(a + b, 2U, 5U, true),
-                                                      {a + b + a, 3U, 7U, true},
-                                                      {a.substr(0, a.size() - 30) + b, 2U, 4U, false}}) {
-    write("joined.lcm", bytes);
-    const auto recordings = open_recordings(folder_.path() / "joined.lcm");
-    ASSERT_TRUE(recordings) << recordings.error().message;
-    ASSERT_EQ(recordings->size(), parts);
-    Replay all;
-    for (const RecordingFile& recording : *recordings) {
-      auto replayed = replay_recording(recording, settings_of(recording));
-      ASSERT_TRUE(replayed) << replayed.error().message;
-      all = joined(std::move(all), std::move(*replayed));
-    }
-    EXPECT_EQ(all.rows.size(), scans);
-    EXPECT_EQ(all.fixes_alike, scans);
-    EXPECT_EQ(all.is_damaged, !is_whole);
-  }
 }
 
 }  // namespace
