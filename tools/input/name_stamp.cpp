@@ -27,16 +27,21 @@ std::optional<NameStamp> whole_stamp(const std::string& run) {
   return NameStamp{run.substr(0, kSecondsDigits), run.substr(kSecondsDigits)};
 }
 
-// Whether run i is the seconds and run i + 1 their fraction.
-bool is_fraction_next(const NameParts& parts, std::size_t i) {
+// The stamp of which run i is the seconds and run i + 1 the fraction.
+std::optional<NameStamp> parted_stamp(const NameParts& parts, std::size_t i) {
   if (i + 1 >= parts.runs.size() || parts.runs[i].size() < kSecondsDigitsMin ||
       parts.runs[i].size() > kSecondsDigitsMin + 1) {
-    return false;
+    return std::nullopt;
   }
   const std::string& between = parts.words[i + 1];
-  const std::size_t digits = parts.runs[i + 1].size();
-  return between == "." ? digits <= kFractionDigits
-                        : (between == "_" || between == "-") && digits == kFractionDigits;
+  const std::string& fraction = parts.runs[i + 1];
+  if (between == ".") {
+    return NameStamp{parts.runs[i], fraction.substr(0, kFractionDigits)};
+  }
+  if ((between != "_" && between != "-") || fraction.size() > kFractionDigits) {
+    return std::nullopt;
+  }
+  return NameStamp{parts.runs[i], fraction, true, fraction.size() == kFractionDigits};
 }
 
 }  // namespace
@@ -64,8 +69,8 @@ std::optional<NameStamp> stamp_of(const NameParts& parts) {
   std::optional<NameStamp> found;
   for (std::size_t i = 0; i < parts.runs.size(); ++i) {
     auto stamp = whole_stamp(parts.runs[i]);
-    if (is_fraction_next(parts, i)) {
-      stamp = NameStamp{parts.runs[i], parts.runs[i + 1]};
+    if (auto parted = parted_stamp(parts, i)) {
+      stamp = std::move(parted);
       ++i;
     }
     if (stamp && found) {
@@ -82,7 +87,11 @@ StampFraction fraction_kind(const std::vector<NameStamp>& stamps) {
   bool ends_in_zero = false;
   bool starts_with_zero = false;
   bool has_nine = false;
-  for (const auto& [seconds, fraction] : stamps) {
+  for (const NameStamp& stamp : stamps) {
+    const std::string& fraction = stamp.fraction;
+    if (stamp.is_count) {
+      return StampFraction::UnpaddedNanoseconds;
+    }
     same_length = same_length && fraction.size() == stamps.front().fraction.size();
     const bool is_lone_digit = fraction.size() == 1;
     ends_in_zero = ends_in_zero || (!is_lone_digit && fraction.back() == '0');

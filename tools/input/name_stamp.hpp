@@ -21,6 +21,8 @@ struct NameParts {
 struct NameStamp {
   std::string seconds;
   std::string fraction;
+  bool is_count = false;  ///< the fraction counts nanoseconds: SECONDS_NANOSECONDS
+  bool is_sure = true;    ///< else what follows the seconds may be any number; a sure stamp beside it decides
 };
 
 /// The one stamp in a name: SECONDS.FRACTION or SECONDS_NANOSECONDS since 1970, or a count of milliseconds,

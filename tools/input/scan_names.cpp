@@ -57,11 +57,10 @@ tl::expected<ScanLabels, InputError> by_time(std::span<const Path> files,
   for (std::size_t i = 0; i < order.size(); ++i) {
     result.labels[order[i]] = {static_cast<std::int64_t>(i), times[order[i]]};
   }
-  result.rule =
-      std::string("by the time stamp in the names") +
-      (kind == StampFraction::UnpaddedNanoseconds ? " (seconds and nanoseconds without leading zeros)" : "") +
-      ", " + shown_time(times[order.front()]) + " to " + shown_time(times[order.back()]) +
-      " s, numbered from 0";
+  result.rule = std::string("by the time stamp in the names") +
+                (kind == StampFraction::UnpaddedNanoseconds ? " (seconds and whole nanoseconds)" : "") +
+                ", " + shown_time(times[order.front()]) + " to " + shown_time(times[order.back()]) +
+                " s, numbered from 0";
   return result;
 }
 
@@ -201,10 +200,12 @@ tl::expected<ScanLabels, InputError> label_scans(std::span<const Path> files) {
       without_stamp = parts.size() - 1;
     }
   }
-  if (!without_stamp) {
+  const bool is_sure =
+      std::any_of(stamps.begin(), stamps.end(), [](const NameStamp& stamp) { return stamp.is_sure; });
+  if (is_sure && !without_stamp) {
     return by_time(files, stamps);
   }
-  if (!stamps.empty()) {
+  if (is_sure) {
     return refuse(
         files[*without_stamp].string(),
         "has no time stamp in its name, as other scans have; replay the ones apart from the others");

@@ -66,7 +66,15 @@ TEST(ScanNames, NanosecondsWithoutLeadingZerosAreToldFromDecimals) {
   const Paths files{"1600000001.5000000.pcd", "1600000001.120000000.pcd", "1600000001.999999990.pcd"};
   EXPECT_THAT(times_ns(files),
               ElementsAre(1'600'000'001'005'000'000, 1'600'000'001'120'000'000, 1'600'000'001'999'999'990));
-  EXPECT_THAT(label_scans(files)->rule, HasSubstr("without leading zeros"));
+  EXPECT_THAT(label_scans(files)->rule, HasSubstr("seconds and whole nanoseconds"));
+  EXPECT_THAT(times_ns({"c_1600000001_5000000.pcd", "c_1600000001_120000000.pcd", "c_1600000000_7.pcd"}),
+              ElementsAre(1'600'000'001'005'000'000, 1'600'000'001'120'000'000, 1'600'000'000'000'000'007));
+  EXPECT_THAT(times_ns({"1600000001.12345678912.pcd"}), ElementsAre(1'600'000'001'123'456'789));
+}
+
+TEST(ScanNames, ANumberBehindSecondsIsNoFractionByItself) {
+  EXPECT_THAT(numbers({"1600000002_12.pcd", "1600000001_13.pcd"}), ElementsAre(1600000002, 1600000001));
+  EXPECT_THAT(numbers({"1600000001_2.pcd", "1600000001_10.pcd"}), ElementsAre(2, 10));
 }
 
 TEST(ScanNames, TheNumberIsTheOneThatDiffers) {
