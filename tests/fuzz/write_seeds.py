@@ -51,6 +51,10 @@ def pcd_seeds():
         "literals": pcd(*xyzr, 4, "binary_compressed", compressed(lzf_literals(columns), len(columns))),
         "copies": pcd(*xyz, 2, "binary_compressed", compressed(copies, 24)),
         "short": pcd(*xyz, 2, "binary", struct.pack("<3f", 1, 2, 3)),
+        "viewpoint": pcd(*xyz, 1, "ascii", b"3 2 1\n").replace(b"0 0 0 1 0 0 0", b"1 2 3 0.6 0 0 0.8"),
+        "page_behind": pcd(*xyz, 1, "binary", struct.pack("<3f", 1, 2, 3) + bytes(40)),
+        "no_bytes": pcd("x _ y Z", "4 1 4 4", "F U f F", "1 0 1 1", 1, "Binary", struct.pack("<3f", 1, 2, 3)),
+        "no_points": pcd(*xyz, 0, "binary_compressed", bytes(8)),
         "huge": pcd(*xyz, 20000000, "binary_compressed", compressed(b"ab", 240000000)),
     }
 
@@ -192,6 +196,9 @@ SEEDS = {
     "pcd": pcd_seeds(),
     "readings_csv": {
         "plain": b"pan_deg,tilt_deg,range_m\n0,0,5\n0.5,0,\n0,1,7.25\n",
+        "semicolons": b'\xef\xbb\xbfsep=;\r\n"pan_deg";tilt_deg;"range_m"\r\n-1,5;"2,5";\r\n0;0;1e1\r\n',
+        "tabs": b"pan_deg\ttilt_deg\trange_m\n1\t2\t\n",
+        "utf_16": "pan_deg,tilt_deg,range_m\n".encode("utf-16"),
         "other": b"\xef\xbb\xbf# note\r\nrange_m,pan_deg,tilt_deg\r\n+1e1,-180,-30\r\n",
         "bad": b"pan_deg,tilt_deg,range_m\n0,0,nan\n",
     },

@@ -114,6 +114,7 @@ std::vector<Assignment> head(const std::string& pan_tilt, const std::string& ran
   return {{"head.pan_tilt", pan_tilt},
           {"head.rangefinder", rangefinder},
           {"nmea.serial_path", "/dev/slamsensor/none"},
+          {"nmea.tcp", "true"},
           {"capacities.map_landmarks", "200"},
           {"capacities.map_edges", "3000"},
           {"capacities.path_poses", "100"}};
