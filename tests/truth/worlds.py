@@ -18,6 +18,7 @@ import random
 import sys
 import typing
 
+sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import geometry as geo  # noqa: E402
 
