@@ -18,6 +18,10 @@ CHI2_3DOF_95 = 7.815
 CHI2_3DOF_999 = 16.266
 
 
+def is_wrong(error_m, turn_rad):
+    return error_m > WRONG_POSITION_M or abs(turn_rad) > WRONG_HEADING_RAD
+
+
 @dataclasses.dataclass
 class Verdict:
     """Counts and errors of one or more runs; `add` joins the runs of a kind."""
@@ -33,6 +37,8 @@ class Verdict:
     local: int = 0  # fixes in local maps, not judged
     no_truth: int = 0  # fixes of scans without a true pose, not judged
     errors_m: list = dataclasses.field(default_factory=list)
+    best_wrong: int = 0  # after the best rigid alignment of all fixes of a run
+    best_errors_m: list = dataclasses.field(default_factory=list)
     normalised: list = dataclasses.field(default_factory=list)  # squared normalised errors, 3 degrees of freedom
     radii_m: list = dataclasses.field(default_factory=list)
     violations: int = 0  # position errors beyond the protection radius
@@ -48,12 +54,21 @@ class Verdict:
         dx_m, dy_m, turn_rad = pose[0] - truth[0], pose[1] - truth[1], wrap(pose[2] - truth[2])
         error_m = math.hypot(dx_m, dy_m)
         self.errors_m.append(error_m)
-        if error_m > WRONG_POSITION_M or abs(turn_rad) > WRONG_HEADING_RAD:
+        if is_wrong(error_m, turn_rad):
             self.wrong += 1
             self.gross += error_m > GROSS_POSITION_M
         else:
             self.right += 1
         return dx_m, dy_m, turn_rad
+
+    def judge_best_alignment(self, pairs):
+        """Counts the errors of the pairs of poses (estimate, truth) after their best alignment."""
+        to_map = best_alignment(pairs) if pairs else None
+        for pose, truth in pairs:
+            aligned = to_map(truth)
+            error_m = math.hypot(pose[0] - aligned[0], pose[1] - aligned[1])
+            self.best_errors_m.append(error_m)
+            self.best_wrong += is_wrong(error_m, wrap(pose[2] - aligned[2]))
 
     def count_time(self, row):
         if row.get("milliseconds"):
@@ -93,6 +108,15 @@ def alignment(truth, pose):
     return apply
 
 
+def best_alignment(pairs):
+    """The alignment that makes the squared distances of the pairs of poses (estimate, truth) least."""
+    ex, ey, tx, ty = (sum(pair[i][k] for pair in pairs) / len(pairs) for i in (0, 1) for k in (0, 1))
+    centred = [(e[0] - ex, e[1] - ey, t[0] - tx, t[1] - ty) for e, t in pairs]
+    turn_rad = math.atan2(sum(tx * ey - ty * ex for ex, ey, tx, ty in centred),
+                          sum(tx * ex + ty * ey for ex, ey, tx, ty in centred))
+    return alignment((tx, ty, 0.0), (ex, ey, turn_rad))
+
+
 def normalised_error(row, error):
     """error^T C^-1 error with the covariance C of the row; None when the row has none or knows a part exactly."""
     names = ("sigma_x_m", "sigma_y_m", "sigma_heading_rad", "corr_x_y", "corr_x_heading", "corr_y_heading")
@@ -114,7 +138,7 @@ def is_home(row):
 
 def judge_drive(fixes_csv, truth):
     """The verdict on the fixes of one replay."""
-    verdict, to_map = Verdict(), None
+    verdict, to_map, pairs = Verdict(), None, []
     for row in read_rows(fixes_csv):
         verdict.scans += 1
         verdict.count_time(row)
@@ -131,6 +155,8 @@ def judge_drive(fixes_csv, truth):
         else:
             to_map = to_map or alignment(true_pose, pose_of(row))
             judge_fix(verdict, row, to_map(true_pose))
+            pairs.append((pose_of(row), true_pose))
+    verdict.judge_best_alignment(pairs)
     verdict.last_times_ms = verdict.times_ms[-max(1, len(verdict.times_ms) // 10):]
     return verdict
 

@@ -78,6 +78,17 @@ class Judge(unittest.TestCase):
         row["sigma_x_m"] = "0"
         self.assertIsNone(judge.normalised_error(row, (1.0, 2.0, 3.0)))
 
+    def test_best_alignment_forgives_a_turned_map_and_nothing_else(self):
+        truth = [(0.0, 0.0, 0.1), (40.0, 0.0, 0.2), (40.0, 30.0, 0.3), (0.0, 30.0, 0.4)]
+        turned = [(*geo.to_world((5.0, -3.0, 2.0), pose), pose[2] + 2.0) for pose in truth]
+        verdict = judge.Verdict()
+        verdict.judge_best_alignment(list(zip(turned, truth)))
+        self.assertAlmostEqual(max(verdict.best_errors_m), 0.0)
+        self.assertEqual(verdict.best_wrong, 0)
+        stretched = [(1.1 * x_m, y_m, heading_rad) for x_m, y_m, heading_rad in turned]
+        verdict.judge_best_alignment(list(zip(stretched, truth)))
+        self.assertGreater(verdict.best_wrong, 0)
+
     def test_foreign_scan_with_a_fix_is_wrong(self):
         with tempfile.TemporaryDirectory() as folder:
             poses, truth = pathlib.Path(folder) / "poses.csv", pathlib.Path(folder) / "truth.csv"

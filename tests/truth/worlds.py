@@ -554,20 +554,23 @@ def make_case(rng, kind, queries):
 class DriveKind:
     make: typing.Callable
     never_wrong: bool = True
+    # So far from the first scan that the noise of its heading alone (0.1 to 0.2 degrees) moves the map by a metre: the
+    # verdict counts the errors after the best alignment.
+    far: bool = False
     needs_data: bool = False
 
 
 DRIVES = {
     "forest_loop": DriveKind(forest_loop),
-    "forest_wide": DriveKind(forest_wide),
+    "forest_wide": DriveKind(forest_wide, far=True),
     "street": DriveKind(street),
     "twin": DriveKind(twin),
     "twin_bare": DriveKind(twin_bare, never_wrong=False),
     "road": DriveKind(road),
     "plantation": DriveKind(plantation),
     "cold_start": DriveKind(cold_start),
-    "portland": DriveKind(portland, needs_data=True),
-    "flight": DriveKind(flight, needs_data=True),
+    "portland": DriveKind(portland, far=True, needs_data=True),
+    "flight": DriveKind(flight, far=True, needs_data=True),
 }
 
 
