@@ -35,6 +35,7 @@ class Sensor:
     sigma_m: float = 0.15  # of each coordinate
     landmarks_max: int = 60
     tells_diameter: bool = True  # else every diameter reads about 0.3 m
+    random_weights: bool = False  # else the nearest landmark weighs most
 
 
 @dataclasses.dataclass
@@ -74,15 +75,25 @@ def spurious_point(rng, sensor, range_m):
 
 
 def observe(rng, sensor, pose, landmarks):
-    """What the sensor reports at the pose of the world's landmarks near it, nearest (heaviest) first."""
+    """What the sensor reports at the pose of the world's landmarks near it, heaviest first."""
     seen = []
     for landmark in landmarks:
         if rng.random() >= sensor.dropped:
             seen.append(sighting(rng, sensor, geo.to_sensor(pose, landmark), landmark[2]))
     if landmarks:
         seen += [spurious_point(rng, sensor, sensor.range_m) for _ in range(poisson(rng, sensor.spurious))]
-    weighed = [(x, y, d, 100.0 / (1.0 + math.hypot(x, y))) for x, y, d in seen]
-    return sorted(weighed, key=lambda s: -s[3])[:sensor.landmarks_max]
+    return by_weight(sensor, seen)[:sensor.landmarks_max]
+
+
+def by_weight(sensor, seen):
+    """The sightings (x_m, y_m, diameter_m) with their weights, heaviest first."""
+
+    def weight(x_m, y_m):
+        if sensor.random_weights:  # drawn from the place: the drive's own random numbers stay what they are
+            return 100.0 * random.Random(f"{x_m}:{y_m}").random()
+        return 100.0 / (1.0 + math.hypot(x_m, y_m))
+
+    return sorted(((x, y, d, weight(x, y)) for x, y, d in seen), key=lambda sighted: -sighted[3])
 
 
 def drive_through(rng, sensor, poses, world):
@@ -97,9 +108,9 @@ def drive_through(rng, sensor, poses, world):
     return scans
 
 
-def informative_diameter(seed):
-    """Even seeds have sensors that measure the trunk's diameter, odd seeds have sensors that do not."""
-    return seed % 2 == 0
+def sensor_of(seed, **values):
+    """Even seeds measure the trunk's diameter, odd ones do not; of four seeds in a row two weigh at random."""
+    return Sensor(tells_diameter=seed % 2 == 0, random_weights=seed // 2 % 2 == 1, **values)
 
 
 # --- Forests -----------------------------------------------------------------------------------------------------
@@ -116,7 +127,7 @@ def forest_loop(rng, seed):
 
     path = [at(2.0 * math.pi * i / 500.0) for i in range(1001)]
     poses = [geo.shaken(rng, pose) for pose in geo.poses_along(path, 7.0)]
-    sensor = Sensor(tells_diameter=informative_diameter(seed))
+    sensor = sensor_of(seed)
     return drive_through(rng, sensor, poses, geo.Grid(trees))
 
 
@@ -124,7 +135,7 @@ def forest_wide(rng, seed):
     """20,000 trees, a long winding drive of 3.6 km."""
     trees, half_m = geo.forest(rng, 20000)
     poses = geo.winding(rng, half_m - 100.0, 600, 6.0)
-    sensor = Sensor(tells_diameter=informative_diameter(seed))
+    sensor = sensor_of(seed)
     return drive_through(rng, sensor, poses, geo.Grid(trees))
 
 
@@ -132,7 +143,7 @@ def cold_start(rng, seed):
     """The first scan has two to four landmarks; then a normal drive."""
     trees, half_m = geo.forest(rng, 1500)
     poses = geo.winding(rng, half_m - 40.0, 120, 4.0)
-    scans = drive_through(rng, Sensor(tells_diameter=informative_diameter(seed)), poses, geo.Grid(trees))
+    scans = drive_through(rng, sensor_of(seed), poses, geo.Grid(trees))
     kept = rng.sample(range(len(scans[0].landmarks)), rng.randint(2, 4))
     scans[0].landmarks = [scans[0].landmarks[i] for i in sorted(kept)]
     return scans
@@ -144,7 +155,7 @@ def plantation(rng, seed):
     trees = geo.rows(rng, half_m, jitter_m=rng.uniform(0.1, 0.3))
     poses = geo.winding(rng, half_m - 25.0, 100, 4.0)
     poses += [geo.anywhere(rng, half_m - 15.0) for _ in range(40)]
-    sensor = Sensor(range_m=20.0, sigma_m=0.1, tells_diameter=informative_diameter(seed))
+    sensor = sensor_of(seed, range_m=20.0, sigma_m=0.1)
     return drive_through(rng, sensor, poses, geo.Grid(trees))
 
 
@@ -258,8 +269,7 @@ def street(rng, seed):
     city = City(rng, blocks)
     poses = geo.poses_along(city.random_path(blocks, 18), rng.uniform(4.0, 6.0))
     poses = [geo.shaken(rng, pose, 0.3, 0.03) for pose in poses[:rng.randint(150, 400)]]
-    sensor = Sensor(range_m=30.0, dropped=rng.uniform(0.2, 0.3), spurious=1.0, sigma_m=0.1,
-                    tells_diameter=informative_diameter(seed))
+    sensor = sensor_of(seed, range_m=30.0, dropped=rng.uniform(0.2, 0.3), spurious=1.0, sigma_m=0.1)
     return drive_through(rng, sensor, poses, lambda number, pose: city.near(sensor.range_m, number, pose))
 
 
@@ -278,7 +288,7 @@ def road(rng, seed):
     for _ in range(40):
         heading_rad = rng.choice((0.0, math.pi))
         poses.append(geo.shaken(rng, (rng.uniform(20.0, 580.0), 0.0, heading_rad), 0.5, 0.1))
-    sensor = Sensor(dropped=0.25, spurious=1.0, sigma_m=0.1, tells_diameter=informative_diameter(seed))
+    sensor = sensor_of(seed, dropped=0.25, spurious=1.0, sigma_m=0.1)
     return drive_through(rng, sensor, poses, geo.Grid(things))
 
 
@@ -325,7 +335,7 @@ def two_copses(rng, seed, distinct):
         if drives_between:
             poses += geo.poses_along([poses[-1][:2], stands[0][:2]], 4.0)[1:]
         poses += stands
-    sensor = Sensor(dropped=0.2, spurious=1.0, sigma_m=0.08, tells_diameter=informative_diameter(seed))
+    sensor = sensor_of(seed, dropped=0.2, spurious=1.0, sigma_m=0.08)
     return drive_through(rng, sensor, poses, world)
 
 
@@ -454,7 +464,7 @@ def portland(rng, seed):
     """A 5 km drive in one of the largest parks, closed; 100 kidnaps to other parks; a third of the trees replaced."""
     rows = stem_map(rng, "portland_parks.csv")
     trees = [row[1:] for row in rows]
-    sensor = Sensor(range_m=35.0, tells_diameter=informative_diameter(seed))
+    sensor = sensor_of(seed, range_m=35.0)
     grid = geo.Grid(trees)
     home = rng.randrange(6)
     cells = connected(rich_cells(grid, [row[1:] for row in rows if row[0] == home], sensor.range_m))
@@ -476,7 +486,7 @@ def flight(rng, seed):
     poses = [geo.shaken(rng, p, 1.0, 0.05) for p in geo.poses_along(geo.rounded(corners, 15.0), 12.0)]
     places = [(rng.uniform(60.0, 940.0), rng.uniform(260.0, 440.0)) for _ in range(60)]
     poses = with_kidnaps(rng, poses[:400], places, 40, 2) + poses[400:]
-    sensor = Sensor(range_m=35.0, tells_diameter=informative_diameter(seed))
+    sensor = sensor_of(seed, range_m=35.0)
     world = ChangingForest(rng, trees, len(poses))
     return drive_through(rng, sensor, poses, lambda number, pose: world.near(sensor.range_m, number, pose))
 
@@ -526,8 +536,7 @@ def case_scan(rng, kind, number, pose, grid):
     kept = rng.sample(near, round(len(near) * (1.0 - kind.dropped)))
     seen = [sighting(rng, sensor, geo.to_sensor(pose, tree), tree[2]) for tree in kept]
     seen += [spurious_point(rng, sensor, range_m) for _ in range(kind.spurious)]
-    weighed = [(x, y, d, 100.0 / (1.0 + math.hypot(x, y))) for x, y, d in seen]
-    return Scan(number, pose, sorted(weighed, key=lambda s: -s[3]))
+    return Scan(number, pose, by_weight(sensor, seen))
 
 
 def make_case(rng, kind, queries):
