@@ -14,6 +14,7 @@ from geometry import wrap
 WRONG_POSITION_M = 1.0
 WRONG_HEADING_RAD = math.radians(2.0)
 GROSS_POSITION_M = 5.0
+HEADING_ARM_M = 10.0
 CHI2_3DOF_95 = 7.815
 CHI2_3DOF_999 = 16.266
 
@@ -109,12 +110,17 @@ def alignment(truth, pose):
 
 
 def best_alignment(pairs):
-    """The alignment that makes the squared distances of the pairs of poses (estimate, truth) least."""
+    """The alignment that makes the squared distances of the pairs of poses (estimate, truth) least.
+
+    A heading counts as a point at HEADING_ARM_M ahead of the pose, so that few or close poses have an alignment, too.
+    """
     ex, ey, tx, ty = (sum(pair[i][k] for pair in pairs) / len(pairs) for i in (0, 1) for k in (0, 1))
-    centred = [(e[0] - ex, e[1] - ey, t[0] - tx, t[1] - ty) for e, t in pairs]
-    turn_rad = math.atan2(sum(tx * ey - ty * ex for ex, ey, tx, ty in centred),
-                          sum(tx * ex + ty * ey for ex, ey, tx, ty in centred))
-    return alignment((tx, ty, 0.0), (ex, ey, turn_rad))
+    sine = cosine = 0.0
+    for e, t in pairs:
+        a, b, c, d = e[0] - ex, e[1] - ey, t[0] - tx, t[1] - ty
+        sine += c * b - d * a + HEADING_ARM_M**2 * math.sin(e[2] - t[2])
+        cosine += c * a + d * b + HEADING_ARM_M**2 * math.cos(e[2] - t[2])
+    return alignment((tx, ty, 0.0), (ex, ey, math.atan2(sine, cosine)))
 
 
 def normalised_error(row, error):

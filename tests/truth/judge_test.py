@@ -84,6 +84,7 @@ class Judge(unittest.TestCase):
         verdict = judge.Verdict()
         verdict.judge_best_alignment(list(zip(turned, truth)))
         self.assertAlmostEqual(max(verdict.best_errors_m), 0.0)
+        verdict.judge_best_alignment([(turned[1], truth[1])])
         self.assertEqual(verdict.best_wrong, 0)
         stretched = [(1.1 * x_m, y_m, heading_rad) for x_m, y_m, heading_rad in turned]
         verdict.judge_best_alignment(list(zip(stretched, truth)))
