@@ -116,7 +116,7 @@ def sensor_of(seed, **values):
 # --- Forests -----------------------------------------------------------------------------------------------------
 
 
-def forest_loop(rng, seed):
+def forest_loop(rng, seed, sigma_m=0.15):
     """6,000 trees, two rounds of a wavy loop of about 1 km."""
     trees, _ = geo.forest(rng, 6000)
     waves = [(k, rng.uniform(2.0, 12.0) / k, rng.uniform(0.0, 2.0 * math.pi)) for k in (2, 3, 5)]
@@ -127,8 +127,12 @@ def forest_loop(rng, seed):
 
     path = [at(2.0 * math.pi * i / 500.0) for i in range(1001)]
     poses = [geo.shaken(rng, pose) for pose in geo.poses_along(path, 7.0)]
-    sensor = sensor_of(seed)
-    return drive_through(rng, sensor, poses, geo.Grid(trees))
+    return drive_through(rng, sensor_of(seed, sigma_m=sigma_m), poses, geo.Grid(trees))
+
+
+def forest_loop_fine(rng, seed):
+    """The loop with a finer sensor: hardly a scan is lost, so that drift and its closing are what is measured."""
+    return forest_loop(rng, seed, sigma_m=0.07)
 
 
 def forest_wide(rng, seed):
@@ -529,11 +533,11 @@ def nearest_trees(grid, pose, count):
 
 
 def case_scan(rng, kind, number, pose, grid):
-    """The nearest trees without the dropped share, among spurious points over the same disc, nearest first."""
+    """The nearest trees without the dropped ones, among spurious points over the same disc, nearest first."""
     near = nearest_trees(grid, pose, kind.nearest)
     range_m = math.hypot(near[-1][0] - pose[0], near[-1][1] - pose[1])
     sensor = Sensor(sigma_m=kind.sigma_m)
-    kept = rng.sample(near, round(len(near) * (1.0 - kind.dropped)))
+    kept = [tree for tree in near if rng.random() >= kind.dropped]
     seen = [sighting(rng, sensor, geo.to_sensor(pose, tree), tree[2]) for tree in kept]
     seen += [spurious_point(rng, sensor, range_m) for _ in range(kind.spurious)]
     return Scan(number, pose, by_weight(sensor, seen))
@@ -571,6 +575,7 @@ class DriveKind:
 
 DRIVES = {
     "forest_loop": DriveKind(forest_loop),
+    "forest_loop_fine": DriveKind(forest_loop_fine),
     "forest_wide": DriveKind(forest_wide, far=True),
     "street": DriveKind(street),
     "twin": DriveKind(twin),
