@@ -1,6 +1,6 @@
 #include "tools/input/cloud_scanlines.hpp"
 
-#include <Eigen/Geometry>
+#include "core/detection/levelling.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,12 +16,6 @@ namespace {
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 
 using Scanline = std::vector<core::Reading>;
-
-Eigen::Matrix3d level_from_sensor(const firmware::PointCloudConfig& config) {
-  return (Eigen::AngleAxisd(config.pitch_rad, Eigen::Vector3d::UnitY()) *
-          Eigen::AngleAxisd(config.roll_rad, Eigen::Vector3d::UnitX()))
-      .toRotationMatrix();
-}
 
 double pan_rad(const Eigen::Vector3d& p) {
   const double angle_rad = std::atan2(p.y(), p.x());
@@ -79,7 +73,7 @@ tl::expected<std::vector<Scanline>, InputError> scanlines_of_cloud(const PointCl
                                                                    const firmware::PointCloudConfig& config,
                                                                    double bearing_step_rad,
                                                                    std::string_view name) {
-  const Eigen::Matrix3d R_level_L = level_from_sensor(config);
+  const Eigen::Matrix3d R_level_L = core::level_from_sensor({config.roll_rad, config.pitch_rad});
   std::map<std::int64_t, Scanline> by_key;
   for (const CloudPoint& point : cloud.points) {
     const core::Reading reading = reading_of(R_level_L * point.position_L);
