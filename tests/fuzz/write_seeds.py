@@ -153,6 +153,16 @@ SEEDS = {
         "emergency": wire("03" + "442031040000000000" + "0A05" + "0B05"),
         "silent": wire("00" + "466043" + "4643640060E2010000"),
     },
+    "cia410": {
+        "measures": wire("01" + "05" * 2 + "408008100000000206" + "05" + "408010610000000206"
+                         + "404B10600038FF0000" + "404B206000F5000000"),
+        "emergency": wire("01" + "05" + "44005081" + "0000000000" + "0B00"),
+        "silent": wire("00" + "4043001000" + "9A010300"),
+    },
+    "iio_numbers": {
+        "number": b"-0.038307\n",
+        "matrix": b"0, -1, 0; 1, 0, 0; 0, 0, 1\n",
+    },
     "emulator_ptu": {
         "start": b"\x00ED FT CI I LE V PP TP PR TR PN PX TU TL PB TA ",
         "moves": b"\x00PS1000 PP2500 TP-350 A H PO-20 PD10 R ",
