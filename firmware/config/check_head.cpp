@@ -1,5 +1,6 @@
 #include "firmware/config/rules.hpp"
 #include "firmware/device/head_drivers.hpp"
+#include "firmware/device/inclinometers.hpp"
 #include "firmware/scan/scan_plan.hpp"
 
 #include <algorithm>
@@ -168,6 +169,28 @@ void check_drivers(Rules& rules) {
   }
 }
 
+void check_inclination(Rules& rules) {
+  const HeadConfig& head = rules.config().head;
+  const LevellingConfig& levelling = rules.config().scan_head.levelling;
+  const bool shares_bus = levelling.source == InclinationSource::Can &&
+                          head.pan_tilt == PanTiltKind::Canopen &&
+                          head.cia410.interface == head.can_interface;
+  rules.require(!shares_bus || head.cia410.node != head.canopen.pan.node,
+                {"inclination.can_node", "canopen_pan.node"}, "is the same as");
+  rules.require(!shares_bus || head.cia410.node != head.canopen.tilt.node,
+                {"inclination.can_node", "canopen_tilt.node"}, "is the same as");
+  rules.require(
+      levelling.source != InclinationSource::Can || levelling.max_age_s * head.cia410.poll_hz >= 2.0,
+      {"inclination.max_age_s", "inclination.can_poll_hz"}, "is shorter than two measurements at");
+  rules.require(levelling.source != InclinationSource::Iio || levelling.max_age_s >= 2.0 * head.iio.mean_s,
+                {"inclination.max_age_s", "inclination.iio_mean_s"}, "is shorter than two measurements of");
+  for (const InclinationSource source : {InclinationSource::Can, InclinationSource::Iio}) {
+    if (const auto opened = open_inclinometer(head, source); !opened) {
+      rules.refuse_section("inclination", opened.error().message);
+    }
+  }
+}
+
 }  // namespace
 
 void check_head(Rules& rules) {
@@ -178,6 +201,7 @@ void check_head(Rules& rules) {
   check_can_ids(rules);
   check_scan(rules);
   check_drivers(rules);
+  check_inclination(rules);
 }
 
 }  // namespace slamsensor::firmware

@@ -10,7 +10,7 @@ namespace {
 /// In the order of the file.
 const std::vector<SettingRows>& rows() {
   static const std::vector<SettingRows> kRows = {
-      head_rows(),   pan_tilt_rows(), rangefinder_rows(), point_laser_rows(), scan_rows(),
+      head_rows(),   pan_tilt_rows(), rangefinder_rows(), point_laser_rows(), inclination_rows(), scan_rows(),
       method_rows(), input_rows(),    output_rows(),      daemon_rows(),      gpio_rows()};
   return kRows;
 }

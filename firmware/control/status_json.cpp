@@ -5,6 +5,8 @@
 #include "firmware/control/json_writer.hpp"
 #include "firmware/supervision/status_parts.hpp"
 
+#include <utility>
+
 namespace slamsensor::firmware {
 namespace {
 
@@ -84,6 +86,11 @@ void write_head(JsonWriter& json, const HeadStatus& head) {
   json.member("phase", head.phase).member("problem", head.problem.view()).member("held", head.held);
   json.member("scan", head.scan).member("line", head.line).member("lines", head.lines);
   json.member("pan_rad", head.pan_rad).member("tilt_rad", head.tilt_rad);
+  for (const auto& [name, angle] : {std::pair("roll_rad", &core::Attitude::roll_rad),
+                                    std::pair("pitch_rad", &core::Attitude::pitch_rad)}) {
+    json.key(name);
+    head.attitude ? json.value((*head.attitude).*angle) : json.null();
+  }
   json.member("latency_s", head.latency_s).member("latency_sigma_s", head.latency_sigma_s);
   json.member("readings_hz", head.readings_hz).member("readings", head.readings);
   write_seconds(json, "wake_latency_max_s", head.wake_latency_max);

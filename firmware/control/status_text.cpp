@@ -91,6 +91,11 @@ std::vector<std::string> status_text(const SensorStatus& status) {
   for (std::string& line : devices_text(status)) {
     lines.push_back(std::move(line));
   }
+  if (const auto& attitude = status.head.attitude) {
+    lines.push_back(field("levelled by", "roll " + decimal_text(attitude->roll_rad / core::kDegree, 2) +
+                                             " deg, pitch " +
+                                             decimal_text(attitude->pitch_rad / core::kDegree, 2) + " deg"));
+  }
   lines.push_back(field("latency", decimal_text(1e3 * status.head.latency_s, 3) + " ms, 1 sigma " +
                                        decimal_text(1e3 * status.head.latency_sigma_s, 3) + " ms"));
   lines.push_back(field("first fix", report.time_to_first_fix

@@ -73,6 +73,11 @@ void ScanLoop::obey(hal::Stamp now) noexcept {
     }
     set_hold(HoldReason::InterlockOpen, panel.interlock_open);
   }
+  if (inclination_) {
+    if (const auto order = inclination_->step(now)) {
+      command(order->what, order->argument);
+    }
+  }
 }
 
 void ScanLoop::set_hold(HoldReason reason, bool is_held) noexcept {
@@ -115,6 +120,14 @@ void ScanLoop::report(hal::Stamp now, const PeriodicTimer& timer) noexcept {
   status.rangefinder.model = text80(head_.rangefinder().info().product);
   status.phase = phase_of(head.scheduler());
   status.problem = ProblemText(head.problem());
+  if (inclination_) {
+    status.inclinometer = inclination_->device();
+    if (head.scheduler().held() == HoldReason::LeanUnknown &&
+        !inclination_->device().problem.view().empty()) {
+      status.problem = inclination_->device().problem;
+    }
+  }
+  status.attitude = head.attitude();
   status.held = head.scheduler().held().has_value();
   status.scan = scan_;
   status.line = head.scheduler().line();

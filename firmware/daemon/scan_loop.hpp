@@ -2,6 +2,7 @@
 
 #include "firmware/daemon/device_watch.hpp"
 #include "firmware/daemon/head_runtime.hpp"
+#include "firmware/daemon/inclination_loop.hpp"
 #include "firmware/daemon/mailbox.hpp"
 #include "firmware/daemon/periodic_timer.hpp"
 #include "firmware/daemon/scan_queue.hpp"
@@ -35,6 +36,11 @@ class ScanLoop {
   ScanLoop(HeadRuntime& head, GpioInputs* panel, ScanOrders& orders, ScanQueue& queue, Wakeup& slam,
            Mailbox<HeadStatus>& status);
 
+  /// The head is told what comes from `reports`, which outlives this. Before the first step().
+  void read_inclination(Mailbox<InclinationReport>& reports, hal::Stamp max_age) noexcept {
+    inclination_.emplace(reports, max_age);
+  }
+
   /// One look at the devices. `timer` is the thread's, for the report.
   void step(hal::Stamp now, const PeriodicTimer& timer) noexcept;
 
@@ -52,6 +58,7 @@ class ScanLoop {
   ScanQueue& queue_;
   Wakeup& slam_;
   Mailbox<HeadStatus>& status_;
+  std::optional<InclinationFeed> inclination_;
   DeviceWatch pan_tilt_watch_;
   DeviceWatch rangefinder_watch_;
   std::array<bool, kHoldReasons> is_held_{};

@@ -11,6 +11,8 @@ constexpr hal::Stamp kSlamNap = std::chrono::milliseconds(50);
 constexpr hal::Stamp kScanSilence = std::chrono::seconds(5);
 constexpr hal::Stamp kSlamSilence = std::chrono::seconds(10);     // beside its deadline
 constexpr hal::Stamp kPublishSilence = std::chrono::seconds(60);  // a slow disk is no reason to die
+constexpr hal::Stamp kInclinationSilence = std::chrono::seconds(60);
+constexpr hal::Stamp kInclinationNap = std::chrono::milliseconds(5);
 
 hal::Stamp clock_now(void*) noexcept {
   return hal::monotonic_now();
@@ -58,6 +60,14 @@ tl::expected<void, std::string> SensorThreads::open(const RunIdentity& identity)
     return tl::unexpected(panel.error().message);
   }
   gpio_ = std::move(*panel);
+  auto inclination = InclinationLoop::create(config_);
+  if (!inclination) {
+    return tl::unexpected(inclination.error());
+  }
+  inclination_ = std::move(*inclination);
+  if (inclination_) {
+    inclination_beat_ = beat_of(heartbeats_, "inclination", kInclinationSilence);
+  }
   auto head = HeadRuntime::create(config_, nullptr);
   if (!head) {
     return tl::unexpected(head.error());
@@ -94,6 +104,13 @@ tl::expected<void, std::string> SensorThreads::start() {
     return tl::unexpected(slam.error());
   }
   slam_thread_ = std::move(*slam);
+  if (inclination_) {
+    auto inclination = start_thread({"inclination"}, [this] { run_inclination(); });
+    if (!inclination) {
+      return tl::unexpected(inclination.error());
+    }
+    inclination_thread_ = std::move(*inclination);
+  }
   return start_scanning();
 }
 
@@ -117,6 +134,10 @@ tl::expected<Thread, std::string> SensorThreads::start_thread(ThreadConfig confi
 tl::expected<void, std::string> SensorThreads::start_scanning() {
   scan_ = std::make_unique<ScanLoop>(*head_, gpio_ ? &gpio_->inputs() : nullptr, scan_orders_, scan_queue_,
                                      slam_wakeup_, head_status_);
+  if (inclination_) {
+    scan_->read_inclination(inclination_->reports(),
+                            hal::from_seconds(config_.scan_head.levelling.max_age_s));
+  }
   return resume_scanning();
 }
 
@@ -157,6 +178,8 @@ tl::expected<void, std::string> SensorThreads::leave_tape() {
 
 void SensorThreads::stop() {
   stop_scanning();
+  stop_inclination_ = true;
+  inclination_thread_.join();
   stop_slam_ = true;
   slam_wakeup_.notify();
   slam_thread_.join();
@@ -195,6 +218,16 @@ void SensorThreads::run_slam() {
     if (has_news) {
       publish_->wake();
     }
+  }
+}
+
+void SensorThreads::run_inclination() {
+  Wakeup nap;
+  while (!stop_inclination_.load(std::memory_order_relaxed)) {
+    const hal::Stamp now = hal::monotonic_now();
+    inclination_->step(now);
+    heartbeats_.beat(inclination_beat_);
+    nap.wait(now + kInclinationNap);
   }
 }
 

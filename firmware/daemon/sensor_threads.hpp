@@ -2,6 +2,7 @@
 
 #include "firmware/config/config.hpp"
 #include "firmware/daemon/head_runtime.hpp"
+#include "firmware/daemon/inclination_loop.hpp"
 #include "firmware/daemon/mailbox.hpp"
 #include "firmware/daemon/periodic_timer.hpp"
 #include "firmware/daemon/publish_loop.hpp"
@@ -24,7 +25,8 @@
 namespace slamsensor::firmware {
 
 /// The three threads of DESIGN 5 and what lies between them: scan (bytes to scanlines), SLAM (scanlines to
-/// fixes), publish (everything that may wait). Made, started and stopped by the supervisor, on its thread.
+/// fixes), publish (everything that may wait); a fourth one reads the inclinometer if there is one. Made,
+/// started and stopped by the supervisor, on its thread.
 class SensorThreads {
  public:
   /// Takes all memory and opens the devices; nothing runs yet. The error names the setting.
@@ -37,7 +39,7 @@ class SensorThreads {
   /// All threads run, in real time as far as realtime.mode asks for it and the system grants it. The error
   /// says which right is missing.
   [[nodiscard]] tl::expected<void, std::string> start();
-  /// All threads have ended: first scan, then SLAM, then publish.
+  /// All threads have ended: first scan, then the inclinometer's, then SLAM, then publish.
   void stop();
 
   /// No scan goes on until restart_head().
@@ -70,6 +72,7 @@ class SensorThreads {
   void run_scan();
   void run_slam();
   void run_publish();
+  void run_inclination();
 
   Config config_;
   Log& log_;
@@ -86,16 +89,20 @@ class SensorThreads {
   SlamLoop slam_;
   PeriodicTimer timer_;
   std::unique_ptr<GpioPanel> gpio_;
+  std::unique_ptr<InclinationLoop> inclination_;  // null: there is no inclinometer
+  std::size_t inclination_beat_ = Heartbeats::kThreadsMax;
   std::unique_ptr<HeadRuntime> head_;
   std::unique_ptr<ScanLoop> scan_;
   std::unique_ptr<PublishLoop> publish_;
   std::atomic<bool> stop_scan_{false};
   std::atomic<bool> stop_slam_{false};
   std::atomic<bool> stop_publish_{false};
+  std::atomic<bool> stop_inclination_{false};
   std::atomic<bool> slam_busy_{false};
   bool is_realtime_ = false;
   Thread publish_thread_;
   Thread slam_thread_;
+  Thread inclination_thread_;
   Thread scan_thread_;
 };
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "core/config.hpp"
+#include "hal/inclination/cia410.hpp"
+#include "hal/inclination/iio_accelerometer.hpp"
 #include "hal/pantilt/canopen/canopen_config.hpp"
 #include "hal/pantilt/ptu_config.hpp"
 #include "hal/rangefinder/benewake_config.hpp"
@@ -65,6 +67,9 @@ struct HeadConfig {
   hal::BenewakeCanConfig benewake_can;
   PointLaserPreset point_laser_preset = PointLaserPreset::AstechLds70a;
   hal::PointLaserConfig point_laser = hal::astech_lds70a();
+
+  hal::Cia410Config cia410;  ///< the inclinometer of LevellingConfig::source, on its own CAN socket
+  hal::IioConfig iio;
 };
 
 }  // namespace slamsensor::firmware

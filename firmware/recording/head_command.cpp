@@ -1,6 +1,18 @@
 #include "firmware/recording/head_command.hpp"
 
+#include <bit>
+
 namespace slamsensor::firmware {
+namespace {
+
+core::Attitude unpacked(std::uint64_t argument) noexcept {
+  const auto half = [](std::uint64_t bits) {
+    return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
+  };
+  return {half(argument >> 32U), half(argument)};
+}
+
+}  // namespace
 
 void command(SensorHead& head, TapeCommand what, std::uint64_t argument) noexcept {
   switch (what) {
@@ -16,6 +28,8 @@ void command(SensorHead& head, TapeCommand what, std::uint64_t argument) noexcep
                  : void();
     case TapeCommand::AbortScan:
       return head.abort_scan();
+    case TapeCommand::Incline:
+      return head.incline(unpacked(argument));
   }
 }
 

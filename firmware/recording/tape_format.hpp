@@ -3,6 +3,7 @@
 #include "hal/transport/can_link.hpp"
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -70,8 +71,15 @@ enum class TapeCommand : std::uint8_t {
   Release,  ///< argument: the reason's number
   SetMode,  ///< argument: the ScanMode's number
   AbortScan,
+  Incline,  ///< argument: see pack_inclination()
 };
-inline constexpr std::size_t kTapeCommands = static_cast<std::size_t>(TapeCommand::AbortScan) + 1;
+inline constexpr std::size_t kTapeCommands = static_cast<std::size_t>(TapeCommand::Incline) + 1;
+
+/// Roll (upper half) and pitch (lower half) as floats, rad: the argument of TapeCommand::Incline.
+[[nodiscard]] constexpr std::uint64_t pack_inclination(double roll_rad, double pitch_rad) noexcept {
+  return std::uint64_t{std::bit_cast<std::uint32_t>(static_cast<float>(roll_rad))} << 32U |
+         std::bit_cast<std::uint32_t>(static_cast<float>(pitch_rad));
+}
 
 /// What a link says of itself.
 struct TapeLinkState {

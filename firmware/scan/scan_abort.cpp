@@ -21,6 +21,8 @@ constexpr std::array<std::string_view, kScanAborts> kAborts = {
 constexpr std::array<std::string_view, kHoldReasons> kHolds = {
     "the laser interlock is open or cannot be read; close it to scan",
     "paused on command; resume to scan",
+    "the inclinometer does not tell how the sensor leans; check it, or set inclination.source",
+    "the sensor leans by more than inclination.max_lean_deg; set it upright",
 };
 
 }  // namespace

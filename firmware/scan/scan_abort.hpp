@@ -34,8 +34,10 @@ inline constexpr std::array<std::string_view, kScanAborts> kScanAbortNames = {
 enum class HoldReason : std::uint8_t {
   InterlockOpen,  ///< the laser interlock is open, or cannot be read
   Paused,         ///< on command
+  LeanUnknown,    ///< the inclinometer has told nothing, or nothing for too long
+  LeansTooFar,    ///< the sensor leans by more than it may
 };
-inline constexpr std::size_t kHoldReasons = 2;
+inline constexpr std::size_t kHoldReasons = 4;
 
 /// As above.
 [[nodiscard]] std::string_view describe(HoldReason reason) noexcept;

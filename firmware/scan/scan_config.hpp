@@ -1,5 +1,8 @@
 #pragma once
 
+#include "core/attitude.hpp"
+#include "core/config.hpp"
+
 #include <cstdint>
 #include <numbers>
 
@@ -82,12 +85,36 @@ struct MotionConfig {
   double coherent_share_min = 0.5;  ///< [0, 1] of what a line sees: so much the lines before must have seen
 };
 
+/// Where the roll and pitch of the sensor come from.
+enum class InclinationSource : std::uint8_t {
+  None,   ///< the sensor stands upright: readings are taken as they are
+  Fixed,  ///< they are settings
+  Can,    ///< an inclinometer on a CAN bus
+  Iio,    ///< an accelerometer of Linux IIO
+};
+
+/// How readings are turned into the horizontal.
+struct LevellingConfig {
+  InclinationSource source = InclinationSource::None;  ///< none, fixed, can, iio
+  core::Attitude fixed;                                ///< of Fixed
+  core::Attitude offset;   ///< what the inclinometer tells while the sensor stands upright
+  double max_age_s = 3.0;  ///< [0.2, 60] s: without a measurement for longer nothing is scanned
+  double max_lean_rad = 20.0 * core::kDegree;  ///< [1, 45] deg: 20; a sensor that leans farther does not scan
+  double moved_rad =
+      1.0 * core::kDegree;  ///< [0.05, 45] deg: 1; tilted by more during a scan, the carrier moved
+
+  [[nodiscard]] bool has_inclinometer() const noexcept {
+    return source == InclinationSource::Can || source == InclinationSource::Iio;
+  }
+};
+
 /// All that leads a scan.
 struct SensorHeadConfig {
   ScanConfig scan;
   PanFitConfig pan_fit;
   LatencyConfig latency;
   MotionConfig motion;
+  LevellingConfig levelling;
 };
 
 }  // namespace slamsensor::firmware

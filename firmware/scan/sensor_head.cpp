@@ -1,6 +1,9 @@
 #include "firmware/scan/sensor_head.hpp"
 
+#include "core/detection/levelling.hpp"
+
 #include <algorithm>
+#include <cmath>
 
 namespace slamsensor::firmware {
 namespace {
@@ -17,7 +20,16 @@ SensorHead::SensorHead(hal::PanTilt& pan_tilt, hal::Rangefinder& rangefinder, co
       scheduler_(pan_tilt, rangefinder, config.scan),
       assembler_(config.scan, config.pan_fit),
       calibration_(config.latency, kScanlinesMax),
-      motion_(config.motion) {
+      motion_(config.motion),
+      levelling_(config.levelling) {
+  if (levelling_.source != InclinationSource::None) {
+    levelled_.reserve(config.scan.readings_per_line_max);
+  }
+  if (levelling_.source == InclinationSource::Fixed) {
+    attitude_ = levelling_.fixed;
+  } else if (levelling_.has_inclinometer()) {
+    scheduler_.hold(HoldReason::LeanUnknown);
+  }
 }
 
 void SensorHead::step(hal::Stamp now) noexcept {
@@ -49,6 +61,23 @@ std::string_view SensorHead::problem() const noexcept {
   }
   const auto& plan_problem = scheduler_.plan_problem();
   return plan_problem ? describe(plan_problem->limit_hit) : std::string_view{};
+}
+
+void SensorHead::incline(const core::Attitude& told) noexcept {
+  if (!levelling_.has_inclinometer() || !std::isfinite(told.roll_rad) || !std::isfinite(told.pitch_rad)) {
+    return;
+  }
+  attitude_ = core::without_offset(told, levelling_.offset);
+  scheduler_.release(HoldReason::LeanUnknown);
+  if (core::lean_rad(*attitude_) > levelling_.max_lean_rad) {
+    scheduler_.hold(HoldReason::LeansTooFar);
+  } else {
+    scheduler_.release(HoldReason::LeansTooFar);
+  }
+  if (in_scan() && scan_attitude_ &&
+      core::angle_between_rad(*attitude_, *scan_attitude_) > levelling_.moved_rad) {
+    scheduler_.on_carrier_moved();
+  }
 }
 
 void SensorHead::take_samples() noexcept {
@@ -90,6 +119,7 @@ void SensorHead::begin_pass() noexcept {
   if (in_scan()) {
     scan_ = {};
     scan_.scan = scans_++;
+    scan_attitude_ = attitude_;
     motion_.begin_scan();
     push(ScanBegun{scan_.scan});
   }
@@ -111,6 +141,7 @@ void SensorHead::begin_line() noexcept {
 
 void SensorHead::end_pass() noexcept {
   calibration_due_ = true;
+  scan_attitude_.reset();
   if (in_scan()) {
     scan_.middle = scan_.begin + (scan_.end - scan_.begin) / 2;
     scan_.lines_rejected = scheduler_.lines_rejected();
@@ -119,6 +150,7 @@ void SensorHead::end_pass() noexcept {
 }
 
 void SensorHead::abort_pass() noexcept {
+  scan_attitude_.reset();
   assembler_.abandon();
   last_abort_ = scheduler_.abort_reason();
   if (in_scan()) {
@@ -151,7 +183,17 @@ void SensorHead::hand_out(const Scanline& line) noexcept {
     scan_.begin = line.stamps.front();
   }
   scan_.end = line.stamps.back();
-  push(line);
+  push(attitude_ ? levelled(line) : line);
+}
+
+Scanline SensorHead::levelled(Scanline line) noexcept {
+  const core::Levelling level(*attitude_);
+  levelled_.clear();
+  for (const core::Reading& reading : line.readings) {
+    levelled_.push_back(level(reading));
+  }
+  line.readings = levelled_;
+  return line;
 }
 
 void SensorHead::calibrate() noexcept {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/attitude.hpp"
+#include "core/reading.hpp"
 #include "firmware/scan/latency_calibration.hpp"
 #include "firmware/scan/motion_detector.hpp"
 #include "firmware/scan/scan_abort.hpp"
@@ -18,6 +20,7 @@
 #include <span>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 namespace slamsensor::firmware {
 
@@ -44,7 +47,9 @@ struct ScanAborted {
 
 using HeadEvent = std::variant<ScanBegun, Scanline, ScanEnded, ScanAborted>;
 
-/// A pan-tilt unit and a rangefinder that make scans. The body of the scan thread: whoever steps it supplies
+/// A pan-tilt unit and a rangefinder that make scans, levelled when it is known how the sensor leans: the
+/// readings handed out are in the level frame (core::Attitude) then, those that the latency and the carrier's
+/// motion are found from are the head's own. The body of the scan thread: whoever steps it supplies
 /// the time, so that the live sensor, an emulated one and a recording run the same code. No clock, no thread;
 /// no allocation after construction.
 class SensorHead {
@@ -65,6 +70,14 @@ class SensorHead {
   void abort_scan() noexcept { scheduler_.abort_scan(); }
   void hold(HoldReason reason) noexcept { scheduler_.hold(reason); }
   void release(HoldReason reason) noexcept { scheduler_.release(reason); }
+
+  /// The inclinometer tells this attitude of itself. Only with LevellingConfig::has_inclinometer(); one that
+  /// is not finite is passed over. Until the first one the head is held (HoldReason::LeanUnknown), and again
+  /// whenever the caller holds it for that reason.
+  void incline(const core::Attitude& told) noexcept;
+
+  /// How the sensor leans; nothing when that is not known or not asked for.
+  [[nodiscard]] std::optional<core::Attitude> attitude() const noexcept { return attitude_; }
 
   /// What keeps it from scanning, for a person; empty when nothing does. Valid until the next step().
   [[nodiscard]] std::string_view problem() const noexcept;
@@ -92,6 +105,7 @@ class SensorHead {
   void abort_pass() noexcept;
   void finish_line(hal::Stamp now) noexcept;
   void hand_out(const Scanline& line) noexcept;
+  [[nodiscard]] Scanline levelled(Scanline line) noexcept;
   void calibrate() noexcept;
   void push(const HeadEvent& event) noexcept;
   [[nodiscard]] bool in_scan() const noexcept { return scheduler_.pass() == ScanPass::Scan; }
@@ -102,8 +116,12 @@ class SensorHead {
   ScanAssembler assembler_;
   LatencyCalibration calibration_;
   MotionDetector motion_;
-  bool calibration_due_ = false;  // a pass has ended; its last pair may still be at work
-  ScanEnded scan_;                // under way
+  LevellingConfig levelling_;
+  std::optional<core::Attitude> attitude_;       // of the sensor, now
+  std::optional<core::Attitude> scan_attitude_;  // at the beginning of the scan
+  std::vector<core::Reading> levelled_;          // of the line that was handed out last
+  bool calibration_due_ = false;                 // a pass has ended; its last pair may still be at work
+  ScanEnded scan_;                               // under way
   std::uint32_t scans_ = 0;
   std::optional<ScanAbort> last_abort_;
   hal::Ring<HeadEvent, kEventsMax> events_;

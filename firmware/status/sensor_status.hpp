@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/attitude.hpp"
 #include "core/fix.hpp"
 #include "hal/counters.hpp"
 #include "hal/device.hpp"
@@ -62,12 +63,14 @@ struct HeadStatus {
   hal::Stamp stamp{};
   DeviceStatus pan_tilt;
   DeviceStatus rangefinder;
-  std::string_view phase = "waiting";  ///< waiting, calibrating, scanning
-  ProblemText problem;                 ///< what keeps it from scanning; empty when nothing does
-  bool held = false;                   ///< interlock open or paused on command
-  std::uint32_t scan = 0;              ///< number of the scan under way or next
-  std::uint32_t line = 0;              ///< of it
-  std::uint32_t lines = 0;             ///< in all
+  std::optional<DeviceStatus> inclinometer;  ///< when one is configured
+  std::optional<core::Attitude> attitude;    ///< by which the readings are levelled
+  std::string_view phase = "waiting";        ///< waiting, calibrating, scanning
+  ProblemText problem;                       ///< what keeps it from scanning; empty when nothing does
+  bool held = false;                         ///< interlock open or paused on command
+  std::uint32_t scan = 0;                    ///< number of the scan under way or next
+  std::uint32_t line = 0;                    ///< of it
+  std::uint32_t lines = 0;                   ///< in all
   double pan_rad = 0.0;
   double tilt_rad = 0.0;
   double latency_s = 0.0;

@@ -11,8 +11,9 @@ void SensorTracker::on_fix(const core::Fix& fix, hal::Stamp made) {
 }
 
 void SensorTracker::on_head(const HeadStatus& head) {
-  all_ready_ =
-      head.pan_tilt.state == hal::DeviceState::Ready && head.rangefinder.state == hal::DeviceState::Ready;
+  all_ready_ = head.pan_tilt.state == hal::DeviceState::Ready &&
+               head.rangefinder.state == hal::DeviceState::Ready &&
+               (!head.inclinometer || head.inclinometer->state == hal::DeviceState::Ready);
   were_ready_ = were_ready_ || all_ready_;
   is_held_ = head.held;
   if (fix_ && (!all_ready_ || is_held_)) {

@@ -13,7 +13,9 @@ namespace slamsensor::firmware {
 /// report that all outputs write. No clock; one thread.
 ///
 ///   Starting   the devices have not all answered since start
-///   Faulted    a device that has answered does not any more: no fix, reason device
+///   Faulted    a device that has answered does not any more: no fix, reason device (the devices are those of
+///   the
+///              head, and the inclinometer when one is configured)
 ///   Held       scanning is not allowed: no fix, reason device
 ///              After both the last fix stays void (Lost, reason device) until a scan has been made.
 ///   Scanning   no scan has been localised yet

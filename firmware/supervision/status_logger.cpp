@@ -4,6 +4,8 @@
 #include "firmware/supervision/status_line.hpp"
 #include "firmware/supervision/status_parts.hpp"
 
+#include <algorithm>
+
 namespace slamsensor::firmware {
 namespace {
 
@@ -24,8 +26,9 @@ bool is_without_fix(SensorState state) {
 
 std::vector<LogEntry> StatusLogger::compare(const SensorStatus& status) {
   std::vector<LogEntry> entries;
-  for (std::size_t i = 0; i < devices_.size(); ++i) {
-    compare_device(i, status, entries);
+  const std::vector<NamedDevice> devices = devices_of(status);
+  for (std::size_t i = 0; i < std::min(devices.size(), devices_.size()); ++i) {
+    compare_device(devices_[i], devices[i], entries);
   }
   compare_head(status, entries);
   compare_fix(status, entries);
@@ -33,10 +36,7 @@ std::vector<LogEntry> StatusLogger::compare(const SensorStatus& status) {
   return entries;
 }
 
-void StatusLogger::compare_device(std::size_t index, const SensorStatus& status,
-                                  std::vector<LogEntry>& entries) {
-  Device& before = devices_[index];
-  const NamedDevice device = devices_of(status)[index];
+void StatusLogger::compare_device(Device& before, const NamedDevice& device, std::vector<LogEntry>& entries) {
   const DeviceStatus& now = *device.status;
   const std::string_view problem = now.problem.view();
   const std::string title(device.title);

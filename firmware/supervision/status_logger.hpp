@@ -2,6 +2,7 @@
 
 #include "firmware/status/sensor_status.hpp"
 #include "firmware/supervision/log_level.hpp"
+#include "firmware/supervision/status_parts.hpp"
 
 #include <array>
 #include <string>
@@ -28,12 +29,12 @@ class StatusLogger {
     bool was_ready = false;  // ever
   };
 
-  void compare_device(std::size_t index, const SensorStatus& status, std::vector<LogEntry>& entries);
+  void compare_device(Device& before, const NamedDevice& device, std::vector<LogEntry>& entries);
   void compare_head(const SensorStatus& status, std::vector<LogEntry>& entries);
   void compare_fix(const SensorStatus& status, std::vector<LogEntry>& entries);
   void compare_map(const SensorStatus& status, std::vector<LogEntry>& entries);
 
-  std::array<Device, 2> devices_;
+  std::array<Device, 3> devices_;
   std::string head_problem_;
   SensorState state_ = SensorState::Starting;
   core::FixReason reason_ = core::FixReason::None;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace slamsensor::firmware {
 
@@ -32,13 +33,17 @@ struct NamedDevice {
   const DeviceStatus* status;
 };
 
-[[nodiscard]] inline std::array<NamedDevice, 2> devices_of(const SensorStatus& status) noexcept {
-  return {{{"pan_tilt", "pan-tilt", &status.head.pan_tilt},
-           {"rangefinder", "rangefinder", &status.head.rangefinder}}};
+[[nodiscard]] inline std::vector<NamedDevice> devices_of(const SensorStatus& status) {
+  std::vector<NamedDevice> devices = {{"pan_tilt", "pan-tilt", &status.head.pan_tilt},
+                                      {"rangefinder", "rangefinder", &status.head.rangefinder}};
+  if (status.head.inclinometer) {
+    devices.push_back({"inclinometer", "inclinometer", &*status.head.inclinometer});
+  }
+  return devices;
 }
 
 /// What keeps the head from scanning, if it is not what a device says of itself.
-[[nodiscard]] inline std::string_view head_problem(const SensorStatus& status) noexcept {
+[[nodiscard]] inline std::string_view head_problem(const SensorStatus& status) {
   const std::string_view problem = status.head.problem.view();
   for (const NamedDevice& device : devices_of(status)) {
     if (device.status->problem.view() == problem) {
@@ -53,12 +58,15 @@ struct NamedCounters {
   const CounterTable* table;
 };
 
-[[nodiscard]] inline std::array<NamedCounters, 5> counters_of(const SensorStatus& status) noexcept {
-  return {{{"pan_tilt", &status.head.pan_tilt.counters},
-           {"rangefinder", &status.head.rangefinder.counters},
-           {"head", &status.head.counters},
-           {"slam", &status.slam.counters},
-           {"outputs", &status.outputs}}};
+[[nodiscard]] inline std::vector<NamedCounters> counters_of(const SensorStatus& status) {
+  std::vector<NamedCounters> tables;
+  for (const NamedDevice& device : devices_of(status)) {
+    tables.push_back({device.key, &device.status->counters});
+  }
+  tables.push_back({"head", &status.head.counters});
+  tables.push_back({"slam", &status.slam.counters});
+  tables.push_back({"outputs", &status.outputs});
+  return tables;
 }
 
 /// Whether `fix` has a pose, if only the better one of two.

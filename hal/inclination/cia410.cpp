@@ -50,7 +50,7 @@ tl::expected<std::unique_ptr<Cia410Inclinometer>, InitError> Cia410Inclinometer:
 
 Cia410Inclinometer::Cia410Inclinometer(const Cia410Config& config, CanLink& link)
     : config_(config),
-      title_("node " + std::to_string(config.node) + " on " + config.name),
+      title_("node " + std::to_string(config.node) + " on " + config.interface),
       link_(link),
       sdo_(config_.node, sdo_config_, link, counters_) {
   problem_ = describe("CAN inclinometer", title_, {kNoAnswer, 0, kCheckBus});

@@ -20,8 +20,8 @@ enum class LongSlope : std::uint8_t { FrontDown, FrontUp };
 enum class LateralSlope : std::uint8_t { LeftUp, LeftDown };
 
 struct Cia410Config {
-  std::string name = "can0";  ///< of the bus, for messages
-  std::uint8_t node = 10;     ///< 1..127
+  std::string interface = "can0";  ///< of the bus, for messages
+  std::uint8_t node = 10;          ///< 1..127
   LongSlope long_slope = LongSlope::FrontDown;
   LateralSlope lateral_slope = LateralSlope::LeftUp;
   double poll_hz = 10.0;  ///< measurements asked for, 0.1..50

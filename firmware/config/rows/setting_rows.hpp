@@ -16,6 +16,7 @@ struct SettingRows {
 [[nodiscard]] SettingRows pan_tilt_rows();
 [[nodiscard]] SettingRows rangefinder_rows();
 [[nodiscard]] SettingRows point_laser_rows();
+[[nodiscard]] SettingRows inclination_rows();
 [[nodiscard]] SettingRows scan_rows();
 [[nodiscard]] SettingRows method_rows();
 [[nodiscard]] SettingRows input_rows();

@@ -3,6 +3,7 @@
 #include "firmware/config/rows/nmea_sentence_list.hpp"
 #include "firmware/config/rows/point_lists.hpp"
 #include "firmware/lcm/lcm_url.hpp"
+#include "hal/transport/reopen_problem.hpp"
 
 #include <algorithm>
 #include <arpa/inet.h>
@@ -69,6 +70,10 @@ constinit const TextRule kSocketPath = {"an absolute path of at most 107 charact
                                         [](std::string_view text) { return is_path(text, 107); }};
 constinit const TextRule kMapName = {"1 to 64 characters out of A-Z, a-z, 0-9, _ and -", is_map_name};
 constinit const TextRule kInterface = {"the name of a network interface, 1 to 15 characters", is_interface};
+constinit const TextRule kIioDevice = {"1 to 160 printable characters", [](std::string_view text) {
+                                         return !text.empty() && text.size() <= hal::kDeviceNameMax &&
+                                                is_printable(text);
+                                       }};
 constinit const TextRule kIpAddress = {"an IPv4 or IPv6 address", is_ip_address};
 constinit const TextRule kLcmUrl = {
     "an LCM URL of at most 200 characters, udpm://GROUP:PORT?ttl=N or memq://, or \"\"",

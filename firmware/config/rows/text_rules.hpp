@@ -11,6 +11,7 @@ extern const TextRule kFolder;
 extern const TextRule kSocketPath;
 extern const TextRule kMapName;
 extern const TextRule kInterface;  ///< of the network
+extern const TextRule kIioDevice;
 extern const TextRule kIpAddress;
 extern const TextRule kLcmUrl;  ///< or empty
 extern const TextRule kLcmPrefix;

@@ -99,6 +99,9 @@ const Counted kCounted[] = {
     // And the preset.
     {"point_laser", member_count<hal::PointLaserConfig>() - 1 + 1 + member_count<hal::RangeConfig>() - 1 +
                         member_count<hal::SampleClockConfig>()},
+    // The place where names of accelerometers are looked for is none.
+    {"inclination", member_count<LevellingConfig>() + 2 + member_count<hal::Cia410Config>() +
+                        member_count<hal::IioConfig>() - 1},
     {"scan", member_count<ScanConfig>()},
     {"pan_fit", member_count<PanFitConfig>()},
     {"latency", member_count<LatencyConfig>()},
@@ -114,8 +117,8 @@ TEST(Settings, EveryMemberOfEveryConfigStructHasARow) {
   EXPECT_EQ(member_count<Config>(), 8U);
   EXPECT_EQ(member_count<core::Config>(), 6U);
   EXPECT_EQ(member_count<DaemonConfig>(), 10U);
-  EXPECT_EQ(member_count<SensorHeadConfig>(), 4U);
-  EXPECT_EQ(member_count<HeadConfig>(), 12U);
+  EXPECT_EQ(member_count<SensorHeadConfig>(), 5U);
+  EXPECT_EQ(member_count<HeadConfig>(), 14U);
 }
 
 TEST(Settings, PathsAreUniqueDescribedAndOfAKnownSection) {

@@ -57,6 +57,20 @@ TEST_F(SensorTrackerTest, StartsUntilAllDevicesHaveAnswered) {
   EXPECT_EQ(tracker_.report(seconds(103)).fix.status, FixStatus::NoFix);
 }
 
+TEST_F(SensorTrackerTest, AnInclinometerIsADeviceLikeTheOthers) {
+  HeadStatus head = ready_head();
+  head.inclinometer.emplace().state = hal::DeviceState::Starting;
+  tracker_.on_head(head);
+  expect(SensorState::Starting, FixStatus::NoFix, FixReason::Device, seconds(101));
+  head.inclinometer->state = hal::DeviceState::Ready;
+  tracker_.on_head(head);
+  tracker_.on_fix(good_fix(), seconds(102));
+  expect(SensorState::Fixed, FixStatus::Fix, FixReason::None, seconds(103));
+  head.inclinometer->state = hal::DeviceState::Faulted;
+  tracker_.on_head(head);
+  expect(SensorState::Faulted, FixStatus::NoFix, FixReason::Device, seconds(104));
+}
+
 TEST_F(SensorTrackerTest, SaysWhatTheLastScanSaid) {
   tracker_.on_head(ready_head());
   tracker_.on_fix(good_fix(), seconds(110));
