@@ -209,6 +209,7 @@ SEEDS = {
         "semicolons": b'\xef\xbb\xbfsep=;\r\n"pan_deg";tilt_deg;"range_m"\r\n-1,5;"2,5";\r\n0;0;1e1\r\n',
         "tabs": b"pan_deg\ttilt_deg\trange_m\n1\t2\t\n",
         "utf_16": "pan_deg,tilt_deg,range_m\n".encode("utf-16"),
+        "leaning": b"pan_deg,tilt_deg,range_m,roll_deg,pitch_deg\n0,0,5,1.5,-2\n",
         "other": b"\xef\xbb\xbf# note\r\nrange_m,pan_deg,tilt_deg\r\n+1e1,-180,-30\r\n",
         "bad": b"pan_deg,tilt_deg,range_m\n0,0,nan\n",
     },

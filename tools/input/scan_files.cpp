@@ -61,7 +61,8 @@ std::string csv_reason(CsvKind kind) {
     return "is empty; it must start with a line that names its columns";
   }
   return std::string(kind == CsvKind::Map ? "is a map, not scans" : "names no columns of scans") +
-         "; readings have pan_deg,tilt_deg,range_m and landmark lists scan,x_m,y_m[,diameter_m[,weight]]";
+         "; readings have pan_deg,tilt_deg,range_m[,roll_deg,pitch_deg] and landmark lists "
+         "scan,x_m,y_m[,diameter_m[,weight]]";
 }
 
 Status add_csv(const Path& path, ScanFiles& files) {

@@ -157,8 +157,8 @@ class FileScanSource final : public ScanSource {
         .map([&](auto&& scanlines) { scan.scanlines = std::forward<decltype(scanlines)>(scanlines); });
   }
 
-  static Status load_readings(std::string_view text, InputScan& scan) {
-    return parse_readings_csv(text, scan.name).map([&](auto&& scanlines) {
+  Status load_readings(std::string_view text, InputScan& scan) const {
+    return parse_readings_csv(text, scan.name, config_.scan_head.levelling).map([&](auto&& scanlines) {
       scan.scanlines = std::forward<decltype(scanlines)>(scanlines);
     });
   }

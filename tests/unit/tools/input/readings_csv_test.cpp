@@ -1,6 +1,7 @@
 #include "tools/input/readings_csv.hpp"
 
 #include "core/config.hpp"
+#include "core/detection/levelling.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -58,6 +59,44 @@ TEST(ReadingsCsv, SaysLineValueAndWhatIsAllowed) {
   EXPECT_THAT(error_of(head + "0,0,1\n0,0\n"), AllOf(HasSubstr("r.csv:3"), HasSubstr("2 fields")));
   EXPECT_THAT(error_of("pan_deg,tilt_deg,range_m,intensity\n"), HasSubstr("'intensity' is not known"));
   EXPECT_THAT(error_of("pan_deg,range_m\n"), HasSubstr("no column tilt_deg"));
+}
+
+TEST(ReadingsCsv, RollAndPitchOfARowLevelItsReading) {
+  const auto got = parse_readings_csv(
+      "pan_deg,tilt_deg,range_m,roll_deg,pitch_deg\n90,0,5,5,0\n0,0,,0,-3\n10,-2,7,3,4\n", "r.csv");
+  ASSERT_TRUE(got) << got.error().message;
+  EXPECT_EQ(got->size(), 2U) << "scanlines are those of the head's tilt";
+  EXPECT_NEAR(got->at(0)[0].tilt_rad, 5 * core::kDegree, 1e-12);
+  EXPECT_NEAR(got->at(0)[1].tilt_rad, 3 * core::kDegree, 1e-12);
+  EXPECT_FALSE(got->at(0)[1].has_return());
+  const core::Reading expected =
+      core::Levelling({3 * core::kDegree, 4 * core::kDegree})({10 * core::kDegree, -2 * core::kDegree, 7.0});
+  EXPECT_EQ(got->at(1)[0].pan_rad, expected.pan_rad);
+  EXPECT_EQ(got->at(1)[0].tilt_rad, expected.tilt_rad);
+}
+
+TEST(ReadingsCsv, SettingsLevelAFileThatTellsNoAttitude) {
+  firmware::LevellingConfig levelling;
+  levelling.fixed = {5 * core::kDegree, 0.0};
+  const std::string text = "pan_deg,tilt_deg,range_m\n90,0,5\n";
+  EXPECT_EQ(parse_readings_csv(text, "r.csv", levelling)->at(0)[0].tilt_rad, 0.0) << "source is none";
+  levelling.source = firmware::InclinationSource::Fixed;
+  EXPECT_NEAR(parse_readings_csv(text, "r.csv", levelling)->at(0)[0].tilt_rad, 5 * core::kDegree, 1e-12);
+  const std::string own = "pan_deg,tilt_deg,range_m,roll_deg,pitch_deg\n90,0,5,2,0\n";
+  EXPECT_NEAR(parse_readings_csv(own, "r.csv", levelling)->at(0)[0].tilt_rad, 2 * core::kDegree, 1e-12);
+  levelling.source = firmware::InclinationSource::Can;
+  EXPECT_TRUE(parse_readings_csv(own, "r.csv", levelling));
+  const auto refused = parse_readings_csv(text, "r.csv", levelling);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, AllOf(HasSubstr("r.csv"), HasSubstr("inclination.source")));
+}
+
+TEST(ReadingsCsv, RollAndPitchComeTogetherAndInBounds) {
+  EXPECT_THAT(error_of("pan_deg,tilt_deg,range_m,roll_deg\n0,0,1,0\n"), HasSubstr("both or none"));
+  EXPECT_THAT(error_of("pan_deg,tilt_deg,range_m,roll_deg,pitch_deg\n0,0,1,181,0\n"),
+              AllOf(HasSubstr("r.csv:2"), HasSubstr("roll_deg is '181'")));
+  EXPECT_THAT(error_of("pan_deg,tilt_deg,range_m,roll_deg,pitch_deg\n0,0,1,0,\n"),
+              HasSubstr("pitch_deg is ''"));
 }
 
 }  // namespace
