@@ -38,6 +38,8 @@ firmware::SensorHeadConfig config_of(const Head& head) {
     config.scan.pan_speed_radps = 5.0;
     config.scan.tilt_speed_radps = 5.0;
     config.scan.tilt_step_rad = 0.028;
+    config.levelling.source = firmware::InclinationSource::Fixed;
+    config.levelling.fixed = {0.03, -0.02};
   } else {
     config.scan.tilt_step_rad *= 5.0;  // eleven lines: enough of the same
   }

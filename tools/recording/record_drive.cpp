@@ -1,7 +1,9 @@
 #include "tools/recording/record_drive.hpp"
 
+#include "core/detection/levelling.hpp"
 #include "firmware/pipeline.hpp"
 #include "firmware/recording/config_toml.hpp"
+#include "firmware/recording/head_command.hpp"
 #include "firmware/recording/recorder.hpp"
 #include "firmware/recording/recording_links.hpp"
 #include "firmware/scan/sensor_head.hpp"
@@ -18,6 +20,7 @@ namespace {
 
 constexpr Stamp kStep = std::chrono::milliseconds(1);
 constexpr Stamp kPatience = std::chrono::hours(1);
+constexpr Stamp kInclinationPeriod = std::chrono::milliseconds(100);
 
 constexpr std::int64_t to_us(Stamp time) noexcept {
   return std::chrono::duration_cast<std::chrono::microseconds>(time).count();
@@ -33,6 +36,12 @@ firmware::HeadConfig head_of(const Scenario& scenario, const firmware::HeadConfi
   head.rangefinder_port = base.rangefinder_port;
   head.can_interface = base.can_interface;
   return head;
+}
+
+/// What an inclinometer with this offset tells of itself on a sensor that leans like the mount.
+core::Attitude told_inclination(const SweepConfig& mount, const core::Attitude& offset) {
+  return core::attitude_of_up(core::level_from_sensor(offset).transpose() *
+                              core::up_L({mount.roll_rad, mount.pitch_rad}));
 }
 
 /// Puts chunks into the recording as they come.
@@ -56,10 +65,12 @@ class RecorderSink final : public firmware::TapeSink {
 /// A sensor under way: emulated head, taps, drivers, pipeline, recording.
 class Drive {
  public:
-  Drive(std::unique_ptr<InProcessHead> head, firmware::Recorder& recorder, const firmware::Config& config)
+  Drive(std::unique_ptr<InProcessHead> head, const SweepConfig& mount, firmware::Recorder& recorder,
+        const firmware::Config& config)
       : head_(std::move(head)),
         recorder_(recorder),
         config_(config),
+        inclination_(told_inclination(mount, config.scan_head.levelling.offset)),
         sink_(recorder, head_->head().clock()),
         tape_(sink_),
         links_({head_->ptu_bytes(), head_->ptu_can(), head_->rangefinder_bytes(), head_->rangefinder_can()}),
@@ -119,9 +130,21 @@ class Drive {
     }
   }
 
+  /// The inclinometer's measurements, as the daemon gets them from its own thread.
+  void incline() {
+    if (!config_.scan_head.levelling.has_inclinometer() || head_->now() < inclination_due_) {
+      return;
+    }
+    inclination_due_ = head_->now() + kInclinationPeriod;
+    const std::uint64_t argument = firmware::pack_inclination(inclination_.roll_rad, inclination_.pitch_rad);
+    tape_.command(firmware::TapeCommand::Incline, argument);
+    firmware::command(*sensor_, firmware::TapeCommand::Incline, argument);
+  }
+
   /// One millisecond; true when a scan ended in it.
   bool step() {
     head_->advance(head_->now() + kStep);
+    incline();
     tape_.step(head_->now());
     sensor_->step(head_->now());
     bool has_ended = false;
@@ -155,6 +178,8 @@ class Drive {
   std::unique_ptr<InProcessHead> head_;
   firmware::Recorder& recorder_;
   const firmware::Config& config_;
+  core::Attitude inclination_;
+  Stamp inclination_due_{};
   RecorderSink sink_;
   firmware::TapeWriter tape_;
   firmware::RecordingHeadLinks links_;
@@ -186,7 +211,7 @@ tl::expected<RecordSummary, WorldError> record_drive(const RecordDrive& order,
     return tl::unexpected(WorldError{recorder.error().message});
   }
   recorder->config(0, firmware::config_toml(config));
-  Drive drive(std::move(*head), *recorder, config);
+  Drive drive(std::move(*head), scenario.mount, *recorder, config);
   if (auto started = drive.start(); !started) {
     return tl::unexpected(started.error());
   }
