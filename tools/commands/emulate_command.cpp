@@ -48,7 +48,8 @@ void take_orders() {
 // --can alone asks for a head on the bus.
 void fit_to_places(Scenario& scenario, const RealTimeConfig& places) {
   HeadProfile& head = scenario.head;
-  if (!places.can.empty() && !is_on_bus(head.ptu.unit) && !is_on_bus(head.rangefinder.unit)) {
+  if (!places.can.empty() && !is_on_bus(head.ptu.unit) && !is_on_bus(head.rangefinder.unit) &&
+      head.inclinometer.unit == InclinometerModel::None) {
     head.ptu.unit = PanTiltModel::CanOpen;
     head.rangefinder.unit = RangefinderModel::Tf03Can;
   }
@@ -74,6 +75,10 @@ void print_places(EmulatedHead& head, const Scenario& scenario, const RealTimeCo
   };
   place("ptu", text_of(ptu.unit).title, head.ptu_port(), ptu.baud, places.ptu);
   place("rangefinder", text_of(finder.unit).title, head.rangefinder_port(), finder.baud, places.rangefinder);
+  if (const InclinometerProfile& inclinometer = scenario.head.inclinometer;
+      inclinometer.unit != InclinometerModel::None) {
+    place("inclinometer", "CiA 410, node " + std::to_string(inclinometer.node), nullptr, 0, {});
+  }
   const bool by_time = scenario.change == StandChange::AtTimes;
   std::printf("%zu stands, %s; send SIGUSR1 for the next stand, SIGINT to end\n", head.stands().stands(),
               by_time ? ("the next every " + fixed_text(scenario.drive.period_s, 1) + " s").c_str()

@@ -50,7 +50,7 @@ std::string misfit(const HeadProfile& head, std::string_view device, FaultKind k
   const bool finder_on_bus = is_on_bus(head.rangefinder.unit);
   const std::string what = "kind = \"" + std::string(name_of(kind)) + "\" ";
   if (device == kCanName) {
-    if (!ptu_on_bus && !finder_on_bus) {
+    if (!ptu_on_bus && !finder_on_bus && head.inclinometer.unit == InclinometerModel::None) {
       return "device = \"can\": this head has no device on a CAN bus";
     }
     return is_of_bus(kind) ? "" : what + "is no fault of a CAN bus";

@@ -15,14 +15,16 @@ inline constexpr std::string_view kPtuName = "ptu";
 inline constexpr std::string_view kRangefinderName = "rangefinder";
 inline constexpr std::string_view kCanName = "can";
 
-/// The devices of a sensor head on their lines. A device without a port is on the bus.
+/// The devices of a sensor head on their lines, and the inclinometer on the bus. A device without a port is
+/// on the bus.
 struct HeadDevices {
   std::unique_ptr<EmulatedPort> ptu_port;          ///< null: the unit is on the bus
   std::unique_ptr<EmulatedPort> rangefinder_port;  ///< null: the rangefinder is on the bus
   std::unique_ptr<MemoryCanBus> bus;               ///< null: no device is on a bus
   std::unique_ptr<EmulatedDevice> ptu;
   std::unique_ptr<EmulatedDevice> rangefinder;
-  const PointingTruth* pointing = nullptr;  ///< the unit's
+  std::unique_ptr<EmulatedDevice> inclinometer;  ///< null: there is none
+  const PointingTruth* pointing = nullptr;       ///< the unit's
 };
 
 }  // namespace slamsensor::tools

@@ -92,10 +92,21 @@ struct RangefinderProfile {
   double usb_s = 0.0;        ///< as above
 };
 
+/// The inclinometers that can be emulated.
+enum class InclinometerModel : std::uint8_t { None, Cia410 };
+
+/// An inclinometer on the carrier, on a CAN bus: it tells how the mount truly leans.
+struct InclinometerProfile {
+  InclinometerModel unit = InclinometerModel::None;
+  std::uint32_t node = 10;
+  std::uint32_t resolution = 10;  ///< 1, 10, 100 or 1000 thousandths of a degree
+};
+
 /// The devices of a sensor head.
 struct HeadProfile {
-  PtuProfile ptu;
-  RangefinderProfile rangefinder;
+  PtuProfile ptu{};
+  RangefinderProfile rangefinder{};
+  InclinometerProfile inclinometer{};
 };
 
 enum class HeadKind : std::uint8_t {

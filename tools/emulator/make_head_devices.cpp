@@ -1,6 +1,7 @@
 #include "tools/emulator/make_head_devices.hpp"
 
 #include "tools/emulator/canopen/emulated_canopen_head.hpp"
+#include "tools/emulator/canopen/emulated_inclinometer.hpp"
 #include "tools/emulator/make_ptu.hpp"
 #include "tools/emulator/make_rangefinder.hpp"
 #include "tools/emulator/ptu/emulated_ptu.hpp"
@@ -66,12 +67,28 @@ void add_rangefinder(const Scenario& scenario, RangeScene& scene, HeadDevices& d
   devices.rangefinder = std::move(device);
 }
 
+void add_inclinometer(const Scenario& scenario, HeadDevices& devices) {
+  const InclinometerProfile& profile = scenario.head.inclinometer;
+  if (profile.unit == InclinometerModel::None) {
+    return;
+  }
+  InclinometerSettings settings;
+  settings.node_id = static_cast<std::uint8_t>(profile.node);
+  settings.resolution = static_cast<std::uint16_t>(profile.resolution);
+  FrameSink& node = bus_of(devices).add_device_node();
+  auto device = std::make_unique<EmulatedInclinometer>(settings, node);
+  device->lean(scenario.mount.roll_rad, scenario.mount.pitch_rad, Stamp{});
+  devices.bus->attach(node, *device);
+  devices.inclinometer = std::move(device);
+}
+
 }  // namespace
 
 tl::expected<HeadDevices, WorldError> make_head_devices(const Scenario& scenario, RangeScene& scene) {
   HeadDevices devices;
   add_ptu(scenario, devices);
   add_rangefinder(scenario, scene, devices);
+  add_inclinometer(scenario, devices);
   return devices;
 }
 

@@ -79,6 +79,14 @@ Section rangefinder_section(RangefinderProfile& finder) {
           {}};
 }
 
+Section inclinometer_section(InclinometerProfile& inclinometer) {
+  return {"inclinometer",
+          {{"unit", choice_of(inclinometer.unit, {"none", "cia410"})},
+           {"node", &inclinometer.node, 1.0, 127.0},
+           {"resolution", &inclinometer.resolution, 1.0, 1000.0}},
+          {}};
+}
+
 Section stands_section(Scenario& scenario, ScenarioExtras& extras) {
   return {"stands",
           {{"change", choice_of(scenario.change, {"at_times", "on_scan_end"})},
@@ -110,8 +118,11 @@ Section base_section(Scenario& scenario, ScenarioExtras& extras) {
 }
 
 std::vector<Section> sections_of(Scenario& scenario, ScenarioExtras& extras) {
-  return {mount_section(scenario.mount), ptu_section(scenario.head.ptu),
-          rangefinder_section(scenario.head.rangefinder), stands_section(scenario, extras),
+  return {mount_section(scenario.mount),
+          ptu_section(scenario.head.ptu),
+          rangefinder_section(scenario.head.rangefinder),
+          inclinometer_section(scenario.head.inclinometer),
+          stands_section(scenario, extras),
           drive_section(scenario.drive)};
 }
 

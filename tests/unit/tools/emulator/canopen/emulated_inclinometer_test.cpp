@@ -5,12 +5,17 @@
 #include "core/attitude.hpp"
 #include "core/config.hpp"
 #include "hal/inclination/cia410.hpp"
+#include "tests/support/source_tree.hpp"
+#include "tools/emulator/in_process_head.hpp"
 #include "tools/emulator/memory_can_link.hpp"
+#include "tools/emulator/scenario.hpp"
 
 #include <gtest/gtest.h>
 
 #include <initializer_list>
 #include <memory>
+#include <optional>
+#include <string>
 #include <utility>
 
 namespace slamsensor::tools {
@@ -112,6 +117,31 @@ TEST(EmulatedInclinometer, BeyondItsRangeTheDriverBelievesNothing) {
   rig.lean(7.0, 0.0);
   rig.run(1500);
   EXPECT_TRUE(rig.measured()) << rig.driver->problem();
+}
+
+TEST(EmulatedInclinometer, OfAScenarioTellsHowTheMountLeans) {
+  const auto world = tests::source_tree() / "config/worlds/park.toml";
+  const auto scenario = parse_scenario("world = \"" + world.string() +
+                                           "\"\nhead = \"fast\"\n[mount]\nroll_deg = 3.0\npitch_deg = -4.0\n"
+                                           "[inclinometer]\nunit = \"cia410\"\nnode = 17\nresolution = 1\n",
+                                       "leaning", world.parent_path());
+  ASSERT_TRUE(scenario) << scenario.error().message;
+  const auto head = InProcessHead::create(*scenario);
+  ASSERT_TRUE(head) << head.error().message;
+  ASSERT_NE((*head)->head().bus(), nullptr);
+  MemoryCanLink link(*(*head)->head().bus(), (*head)->head().clock());
+  hal::Cia410Config config;
+  config.node = 17;
+  const auto driver = std::move(hal::Cia410Inclinometer::create(config, link).value());
+  std::optional<hal::Inclination> got;
+  for (int i = 0; i < 1000 && !got; ++i) {
+    (*head)->advance((*head)->now() + std::chrono::milliseconds(1));
+    driver->step((*head)->now());
+    got = driver->take();
+  }
+  ASSERT_TRUE(got) << driver->problem();
+  EXPECT_NEAR(got->roll_rad, 3.0 * kDegree, 0.001 * kDegree);
+  EXPECT_NEAR(got->pitch_rad, -4.0 * kDegree, 0.001 * kDegree);
 }
 
 }  // namespace
