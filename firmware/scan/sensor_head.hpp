@@ -76,7 +76,7 @@ class SensorHead {
   /// whenever the caller holds it for that reason.
   void incline(const core::Attitude& told) noexcept;
 
-  /// How the sensor leans; nothing when that is not known or not asked for.
+  /// How the sensor leans, as it was told last; nothing before that, and when it is not asked for.
   [[nodiscard]] std::optional<core::Attitude> attitude() const noexcept { return attitude_; }
 
   /// What keeps it from scanning, for a person; empty when nothing does. Valid until the next step().
