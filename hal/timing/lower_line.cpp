@@ -47,9 +47,9 @@ double LowerLine::hull_slope(double fallback) const noexcept {
   return fallback;
 }
 
-LowerLine::Line LowerLine::fit(double slope_min, double slope_max) const noexcept {
+LowerLine::Line LowerLine::fit(const Slopes& slopes) const noexcept {
   Line line;
-  line.slope = std::clamp(hull_slope(0.5 * (slope_min + slope_max)), slope_min, slope_max);
+  line.slope = std::clamp(hull_slope(slopes.otherwise), slopes.least, slopes.greatest);
   line.offset = points_[0].y - line.slope * points_[0].x;
   for (std::size_t i = 1; i < count_; ++i) {
     line.offset = std::min(line.offset, points_[i].y - line.slope * points_[i].x);

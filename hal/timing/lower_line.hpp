@@ -30,8 +30,16 @@ class LowerLine {
   /// Moves the origin of all points.
   void shift(double dx, double dy) noexcept;
 
+  struct Slopes {
+    double least = 0.0;
+    double greatest = 0.0;
+    double otherwise = 0.0;  ///< what a single point gets; between the two
+  };
   /// There must be at least one point.
-  [[nodiscard]] Line fit(double slope_min, double slope_max) const noexcept;
+  [[nodiscard]] Line fit(const Slopes& slopes) const noexcept;
+
+  /// Takes back the newest point. There must be one.
+  void drop_newest() noexcept { --count_; }
 
  private:
   [[nodiscard]] double hull_slope(double fallback) const noexcept;

@@ -2,21 +2,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace slamsensor::hal {
 namespace {
 
 constexpr std::size_t kWindowCalls = 4;
 constexpr std::size_t kWindowsToSettle = 2;
+constexpr double kLateLumps = 2.0;   // what is later may have been held up
 constexpr double kBucketNs = 250e6;  // holds many lumps; LowerLine keeps 16 s of them
 constexpr std::size_t kBucketCalls = 8;
+constexpr std::size_t kPointsToKnow = 8;  // of 0.25 s each, that tell the period better than the nominal one
+constexpr double kBurstShare = 0.75;      // of its time: a bucket that came in less was held up before
+constexpr double kAgreeShare = 0.1;  // of its time: buckets of a queue that empties differ by more in slack
+// Of a lump, or of a period: a line that has to be put so much earlier within a bucket was no phase.
+constexpr double kPulledLumps = 0.25;
+constexpr double kPulledPeriods = 2.0;
 
 }  // namespace
 
 void SampleClock::set_rate(double rate_hz) noexcept {
   nominal_ns_ = 1e9 / rate_hz;
+  known_slope_ = nominal_ns_;
   line_ = {nominal_ns_, 0.0};
   running_ = false;
+  check_.begin(config_.tolerance_ppm * 1e-6, nominal_ns_);
+  checked_.reset();
 }
 
 void SampleClock::skip(std::size_t readings) noexcept {
@@ -45,9 +56,10 @@ void SampleClock::stamp(Stamp latest, std::span<Stamp> into) noexcept {
   bucket_.readings += count;
   track(static_cast<double>((latest - base_).count()));
   emit(into, at(x_), line_.slope);
+  check(latest);
 }
 
-bool SampleClock::settled() const noexcept {
+bool SampleClock::knows_phase() const noexcept {
   return config_.timing == SampleTiming::AsArrived || (running_ && windows_ >= kWindowsToSettle && !is_late_);
 }
 
@@ -58,22 +70,34 @@ void SampleClock::lock(Stamp latest) noexcept {
   base_ = latest;
   x_ = 0.0;
   line_.offset = 0.0;
+  renew();
+}
+
+/// The phase is to be found anew; of the period what was known stays.
+void SampleClock::renew() noexcept {
   points_.clear();
+  set_slope(known_slope_);
   window_ = {};
   bucket_ = {};
+  before_last_ = last_ = last_bucket_ = 0.0;
   windows_ = 0;
+}
+
+/// From the newest reading on.
+void SampleClock::set_slope(double slope) noexcept {
+  line_ = {slope, at(x_) - slope * x_};
 }
 
 void SampleClock::track(double y) noexcept {
   double slack = y - at(x_);
   if (slack < 0.0) {
-    // The reading cannot have been sent after it arrived: the line was too late.
-    line_.offset += slack;
-    raise(slack);
+    pull(-slack);
     slack = 0.0;
   }
-  is_late_ = slack > 2.0 * static_cast<double>(config_.lump.count());
+  is_late_ = slack > kLateLumps * static_cast<double>(config_.lump.count());
   for (Window* window : {&window_, &bucket_}) {
+    window->first_y = window->calls == 0 ? y : window->first_y;
+    window->last_y = y;
     if (window->calls++ == 0 || slack <= window->least_slack) {
       window->least_slack = slack;
       window->least = {x_, y};
@@ -87,9 +111,24 @@ void SampleClock::track(double y) noexcept {
   }
 }
 
+/// The newest reading cannot have been sent after it arrived: the line was too late. One that was much too
+/// late was never the phase, and what it was fitted to were delays: together with them it would be taken for
+/// a wrong period, and then the right one for readings that are missing.
+void SampleClock::pull(double by_ns) noexcept {
+  line_.offset -= by_ns;
+  correction_ns_ -= by_ns;
+  raise(-by_ns);
+  bucket_.pulled_ns += by_ns;
+  const double most_ns =
+      std::max(kPulledLumps * static_cast<double>(config_.lump.count()), kPulledPeriods * nominal_ns_);
+  if (bucket_.pulled_ns > most_ns) {
+    renew();
+  }
+}
+
 /// What the windows remember is slack over a line that has risen by `by_ns` since.
 void SampleClock::raise(double by_ns) noexcept {
-  for (double* slack : {&window_.least_slack, &bucket_.least_slack, &last_, &before_last_}) {
+  for (double* slack : {&window_.least_slack, &bucket_.least_slack, &last_, &before_last_, &last_bucket_}) {
     *slack = std::max(0.0, *slack - by_ns);
   }
 }
@@ -116,27 +155,69 @@ void SampleClock::close_window() noexcept {
   last_ = now;
 }
 
+/// A point that lies above the line is explained by a gap that the windows did not find. While the period is
+/// not known from many points, another period within the tolerance is likelier, where it can explain it.
 void SampleClock::close_bucket() noexcept {
-  const LowerLine::Point least = bucket_.least;
-  const double periods = std::floor(bucket_.least_slack / nominal_ns_ - 0.5);
-  bucket_ = {};
-  if (periods >= 1.0) {
-    move_on(periods);  // a gap that the windows did not find
-    return;
+  const Window closed = std::exchange(bucket_, {});
+  const double length_ns = closed.readings * nominal_ns_;
+  const bool agrees = std::abs(closed.least_slack - last_bucket_) < kAgreeShare * length_ns;
+  last_bucket_ = closed.least_slack;
+  const bool is_late = closed.least_slack > kLateLumps * static_cast<double>(config_.lump.count());
+  const bool is_burst = closed.last_y - closed.first_y < kBurstShare * length_ns;
+  if ((is_late && !agrees) || (is_burst && closed.least_slack > nominal_ns_)) {
+    return;  // held up: the next bucket tells whether it stays so late
   }
-  points_.add(least);
-  const double tolerance_ns = nominal_ns_ * config_.tolerance_ppm * 1e-6;
-  const double before = at(x_);
-  line_ = points_.fit(nominal_ns_ - tolerance_ns, nominal_ns_ + tolerance_ns);
-  const double change = at(x_) - before;
+  const LowerLine::Line before = line_;
+  const bool knows_period = points_.size() >= kPointsToKnow || is_in_doubt();
+  points_.add(closed.least);
+  fit();
+  const double height_ns = knows_period ? closed.least_slack : closed.least.y - at(closed.least.x);
+  const double periods = std::floor(height_ns / nominal_ns_ - 0.5);
+  if (periods >= 1.0) {
+    points_.drop_newest();
+    points_.add({closed.least.x + periods, closed.least.y});
+    move_on(periods);
+    fit();
+  }
+  const double change = at(x_) - (before.offset + before.slope * x_);
+  correction_ns_ += change;
   raise(change);
   rebase();
+}
+
+void SampleClock::fit() noexcept {
+  line_ = points_.fit({slope_least(), slope_greatest(), known_slope_});
+  if (points_.size() >= kPointsToKnow) {
+    known_slope_ = line_.slope;
+  }
 }
 
 void SampleClock::move_on(double periods) noexcept {
   x_ += periods;
   missing_ += static_cast<std::uint64_t>(periods);
-  bucket_ = {};
+  correction_ns_ += periods * nominal_ns_;
+  const double by_ns = periods * nominal_ns_;
+  last_bucket_ = std::max(0.0, last_bucket_ - by_ns);
+  if (bucket_.calls > 0 && bucket_.least_slack > by_ns - 0.5 * nominal_ns_) {
+    // All of the bucket came after the gap.
+    bucket_.least_slack = std::max(0.0, bucket_.least_slack - by_ns);
+    bucket_.least.x += periods;
+  }
+}
+
+/// While in doubt the clock runs at the nominal rate, so that what it is corrected by tells the true one.
+void SampleClock::check(Stamp latest) noexcept {
+  const double elapsed_ns = checked_ ? std::max(0.0, static_cast<double>((latest - *checked_).count())) : 0.0;
+  checked_ = std::max(latest, checked_.value_or(latest));
+  const double slope_off = line_.slope / nominal_ns_ - 1.0;
+  const RateVerdict verdict =
+      check_.add(elapsed_ns, std::exchange(correction_ns_, 0.0), slope_off, knows_phase());
+  if (verdict != RateVerdict::Unchanged) {
+    const double off = verdict == RateVerdict::Corrected ? check_.period_off() : 0.0;
+    known_slope_ = std::clamp(nominal_ns_ * (1.0 + off), slope_least(), slope_greatest());
+    points_.clear();
+    set_slope(known_slope_);
+  }
 }
 
 /// Keeps numbers small: a double holds nanoseconds of months, but not of years times counts.

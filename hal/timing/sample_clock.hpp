@@ -2,9 +2,11 @@
 
 #include "hal/stamp.hpp"
 #include "hal/timing/lower_line.hpp"
+#include "hal/timing/rate_check.hpp"
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 namespace slamsensor::hal {
@@ -26,6 +28,10 @@ struct SampleClockConfig {
 /// The times at which a device sent its periodic readings, found from arrivals that are late by queues and
 /// lumps, but never early. Readings that were lost become whole periods. Stamps strictly increase. Knows the
 /// time from its callers alone.
+///
+/// What looked like the phase and turns out to have been a delay (the host was held up, and then read much at
+/// once) is forgotten as a whole: points that were late are never explained by another period. A stream that
+/// has to be corrected all the time is in doubt (RateCheck).
 class SampleClock {
  public:
   explicit SampleClock(const SampleClockConfig& config) noexcept : config_(config) { set_rate(1.0); }
@@ -44,9 +50,19 @@ class SampleClock {
   void stamp(Stamp latest, std::span<Stamp> into) noexcept;
 
   /// Whether the stamps just given can be believed: enough readings were seen since the last start to know
-  /// the phase within a lump, and the newest was not later than two lumps. (Later ones may follow a gap that
-  /// is not yet known for one, or have been held up; the next windows tell which.)
-  [[nodiscard]] bool settled() const noexcept;
+  /// the phase within a lump, the newest was not later than two lumps, and the rate is not in doubt. (Later
+  /// ones may follow a gap that is not yet known for one, or have been held up; the next windows tell which.)
+  [[nodiscard]] bool settled() const noexcept {
+    return knows_phase() && !is_in_doubt() && !check_.is_suspect();
+  }
+
+  /// Readings do not come as the device was said to send them, second after second: at another rate, some of
+  /// them lost or doubled all the time, or too irregularly for their phase to be known.
+  [[nodiscard]] bool is_in_doubt() const noexcept { return check_.is_in_doubt(); }
+  /// Readings per second that seem to come, losses that are known left out of account; while in doubt.
+  [[nodiscard]] double apparent_rate_hz() const noexcept {
+    return 1e9 / (nominal_ns_ * (1.0 + check_.period_off()));
+  }
 
   /// Periods without a reading, found from the arrivals alone.
   [[nodiscard]] std::uint64_t missing() const noexcept { return missing_; }
@@ -59,22 +75,38 @@ class SampleClock {
     double least_slack = 0.0;
     double readings = 0.0;
     std::size_t calls = 0;
+    double first_y = 0.0;  ///< ns after base_
+    double last_y = 0.0;
+    double pulled_ns = 0.0;  ///< by which the line was put earlier
     LowerLine::Point least{};
   };
 
+  [[nodiscard]] bool knows_phase() const noexcept;
   void lock(Stamp latest) noexcept;
+  void renew() noexcept;
   void track(double y) noexcept;
+  void pull(double by_ns) noexcept;
   void close_window() noexcept;
   void close_bucket() noexcept;
+  void fit() noexcept;
   void move_on(double periods) noexcept;
   void raise(double by_ns) noexcept;
+  void set_slope(double slope) noexcept;
   void rebase() noexcept;
+  void check(Stamp latest) noexcept;
   void emit(std::span<Stamp> into, double last_ns, double period_ns) noexcept;
+  [[nodiscard]] double slope_least() const noexcept {
+    return nominal_ns_ * (1.0 - config_.tolerance_ppm * 1e-6);
+  }
+  [[nodiscard]] double slope_greatest() const noexcept {
+    return nominal_ns_ * (1.0 + config_.tolerance_ppm * 1e-6);
+  }
   [[nodiscard]] double at(double x) const noexcept { return line_.offset + line_.slope * x; }
   [[nodiscard]] bool is_full(const Window& window, double length_ns, std::size_t calls) const noexcept;
 
   SampleClockConfig config_;
   double nominal_ns_ = 0.0;
+  double known_slope_ = 0.0;  ///< found from enough points, else nominal
   LowerLine points_;
   LowerLine::Line line_{};  ///< nanoseconds after base_ over readings
   Stamp base_{};
@@ -83,13 +115,17 @@ class SampleClock {
   Window bucket_;
   double before_last_ = 0.0;  ///< least slack of the window before the last closed one
   double last_ = 0.0;
-  std::size_t windows_ = 0;  ///< closed since the phase began
+  double last_bucket_ = 0.0;  ///< the same of the last closed bucket
+  std::size_t windows_ = 0;   ///< closed since the phase began
   Stamp emitted_ = Stamp::min();
   bool running_ = false;
   std::uint64_t missing_ = 0;
   std::uint64_t relocks_ = 0;
   bool ever_ran_ = false;
   bool is_late_ = false;  // the newest reading, by more than two lumps
+  RateCheck check_;
+  double correction_ns_ = 0.0;  ///< of the line since the last check
+  std::optional<Stamp> checked_;
 };
 
 }  // namespace slamsensor::hal

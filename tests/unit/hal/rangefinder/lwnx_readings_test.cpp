@@ -24,6 +24,7 @@ TEST_P(NoReturns, AreNeverADistance) {
   device.rate_hz = device.name.rfind("GRF", 0) == 0 ? 5.0 : 388.0;
   connect(bench, device, config_at(device.name.rfind("GRF", 0) == 0 ? 5.0 : 388.0));
   ASSERT_TRUE(bench.run_until_ready(8000)) << bench.driver->problem();
+  device.rate_hz = bench.driver->info().rate_hz;  // a product has its own rates
   bench.run(3000);
   ASSERT_FALSE(bench.samples.empty());
   for (const RangeSample& sample : bench.samples) {
@@ -119,6 +120,8 @@ TEST_P(SaturatedByProduct, PerCentBeyondTheScaleIsNoDistance) {
   };
   connect(bench, device, config_at(c.rate_hz));
   ASSERT_TRUE(bench.run_until_ready(8000)) << bench.driver->problem();
+  device.rate_hz = bench.driver->info().rate_hz;
+  bench.run(3000);
   for (const auto& [value, echo] : {std::pair{100, Echo::Return}, {120, c.echo}}) {
     strength = value;
     bench.run(static_cast<int>(3000.0 / c.rate_hz) + 50);
