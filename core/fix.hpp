@@ -30,6 +30,7 @@ enum class FixReason : std::uint8_t {
   Stale,            ///< no scan came in time
   Device,           ///< the sensor head is not working
   Moved,            ///< the carrier moved since or during the scan: where it was is no more where it is
+  Timing,           ///< a device's timing is in doubt: what was measured when is not known well enough
 };
 
 /// How the search for the pose ended.

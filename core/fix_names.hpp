@@ -38,6 +38,8 @@ namespace slamsensor::core {
       return "device";
     case FixReason::Moved:
       return "moved";
+    case FixReason::Timing:
+      return "timing";
   }
   return "unknown";
 }

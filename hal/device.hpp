@@ -38,6 +38,10 @@ class Device {
   /// baud; check cable and power"); empty when nothing does. Valid until the next step().
   [[nodiscard]] virtual std::string_view problem() const noexcept = 0;
 
+  /// Why the times of its samples cannot be relied on while it is Ready, for a person: what was seen, and
+  /// what to do; empty while they can. Valid until the next step().
+  [[nodiscard]] virtual std::string_view timing_doubt() const noexcept { return {}; }
+
   /// Counts of everything refused, repeated, lost or out of order; names are unique within the device.
   [[nodiscard]] virtual std::span<const Counter> counters() const noexcept = 0;
 };

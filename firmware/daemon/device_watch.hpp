@@ -5,6 +5,7 @@
 #include "hal/stamp.hpp"
 
 #include <cstdint>
+#include <string_view>
 
 namespace slamsensor::firmware {
 
@@ -26,7 +27,8 @@ class DeviceWatch {
   /// Fills in what is known of `device`, whose state was the last one given.
   void report(const hal::Device& device, DeviceStatus& status) const noexcept {
     status.state = device.state();
-    status.problem = ProblemText(device.problem());
+    const std::string_view problem = device.problem();
+    status.problem = ProblemText(problem.empty() ? device.timing_doubt() : problem);
     status.recoveries = recoveries_;
     status.last_recovery = last_recovery_;
     status.counters.size = 0;

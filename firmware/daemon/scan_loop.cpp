@@ -128,6 +128,7 @@ void ScanLoop::report(hal::Stamp now, const PeriodicTimer& timer) noexcept {
     }
   }
   status.attitude = head.attitude();
+  status.timing_in_doubt = head.is_timing_in_doubt();
   status.held = head.scheduler().held().has_value();
   status.scan = scan_;
   status.line = head.scheduler().line();
@@ -143,6 +144,7 @@ void ScanLoop::report(hal::Stamp now, const PeriodicTimer& timer) noexcept {
   status.counters.append(timer.counters());
   status.counters.append(head.scheduler().counters());
   status.counters.append(head.assembler().counters());
+  status.counters.append(head.counters());
   const std::array<hal::Counter, 3> queue = {{{"scanlines_dropped", queue_.scanlines_dropped()},
                                               {"scan_messages_dropped", queue_.messages_dropped()},
                                               {"head_events_dropped", head.events_dropped()}}};

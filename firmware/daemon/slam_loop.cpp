@@ -120,11 +120,12 @@ void SlamLoop::give_up(const ScanAborted& scan, const SlamClock& clock) noexcept
   pipeline_.slam().drop_scan();
   lines_ = 0;
   counters_.count(SlamEvent::ScansGivenUp);
-  if (scan.reason == ScanAbort::CarrierMoved) {
-    // Where the sensor was is no more where it is: the last fix is void.
+  const bool is_moved = scan.reason == ScanAbort::CarrierMoved;
+  if (is_moved || scan.reason == ScanAbort::TimingInDoubt) {
+    // The carrier moved, or what was seen cannot be relied on: the last fix is void.
     const hal::Stamp now = clock.monotonic(nullptr);
     core::Fix fix;
-    fix.reason = core::FixReason::Moved;
+    fix.reason = is_moved ? core::FixReason::Moved : core::FixReason::Timing;
     fix.scan = status_.scans;
     fix.time = {now + clock.utc_ahead, now + clock.utc_ahead, now + clock.utc_ahead, now};
     message_.landmark_count = 0;

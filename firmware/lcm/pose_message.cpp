@@ -38,7 +38,7 @@ void put_fix(const core::Fix& fix, PoseMessage& message) noexcept {
 }  // namespace
 
 bool is_sound(const PoseMessage& message) noexcept {
-  return is_code(message.status, core::FixStatus::Fix) && is_code(message.reason, core::FixReason::Moved) &&
+  return is_code(message.status, core::FixStatus::Fix) && is_code(message.reason, core::FixReason::Timing) &&
          is_code(message.search_end, core::SearchEnd::Deadline) &&
          is_code(message.source, SourceMode::Emulated);
 }

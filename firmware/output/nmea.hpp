@@ -68,8 +68,7 @@ inline constexpr std::size_t kNmeaEpochBytesMax = 8 * kNmeaSentenceMax;
 ///    3  status         A fix, U ambiguous (the pose is the better of two), V no fix
 ///    4  mode           A live, S replayed or emulated
 ///    5  reason         0 none, 1 too few landmarks, 2 no overlap, 3 symmetric, 4 deadline, 5 stale, 6
-///    device,
-///                      7 moved
+///                      device, 7 moved, 8 timing
 ///    6  x              m in the map frame, within 1000 km of its origin
 ///    7  y              m
 ///    8  heading        deg, counter-clockwise from the map's x axis, [0, 360)

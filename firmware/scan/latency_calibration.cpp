@@ -12,6 +12,9 @@ constexpr double kScatterMin_s = 1e-4;  // pairs nearer to the median than some 
 // Of a cell: what pairs err together, as the same edges fall between the same readings (simulated worlds).
 constexpr double kCommonCells = 0.1;
 constexpr double kSigmaMin_s = 1e-5;
+// Pairs that depart by themselves, when the latency changed in the middle of a pass.
+constexpr std::size_t kPairsToDepart = 2;
+constexpr double kShareToDepart = 0.25;
 
 constexpr LatencyEvent event_of(PairProblem problem) noexcept {
   switch (problem) {
@@ -57,7 +60,7 @@ struct Mean {
 LatencyCalibration::LatencyCalibration(const LatencyConfig& config, std::size_t pairs_max)
     : config_(config),
       alignment_(config),
-      latency_{config.initial_s, config.self_calibration ? config.initial_sigma_s : 0.0, 0},
+      latency_{config.initial_s, config.self_calibration ? config.initial_sigma_s : 0.0},
       counters_({"latency_pairs_used", "latency_pairs_no_overlap", "latency_pairs_no_edges",
                  "latency_pairs_ambiguous", "latency_pairs_at_limit", "latency_pairs_unsure",
                  "latency_pairs_dropped", "latency_passes_refused", "latency_passes_taken",
@@ -69,6 +72,8 @@ LatencyCalibration::LatencyCalibration(const LatencyConfig& config, std::size_t 
 void LatencyCalibration::begin_pass(double pan_min_rad, double pan_max_rad, double reading_rad) noexcept {
   drop_pair();
   pairs_.clear();
+  looked_at_ = at_limit_ = half_widths_ = 0;
+  half_widths_sum_s_ = 0.0;
   has_line_ = false;
   grid_ = make_grid(pan_min_rad, pan_max_rad, reading_rad);
 }
@@ -82,8 +87,12 @@ void LatencyCalibration::drop_pair() noexcept {
 
 void LatencyCalibration::add(const Scanline& line) noexcept {
   if (!config_.self_calibration) {
+    // The configured latency is taken to be that of the narrowest polls.
+    latency_.half_width_s = std::min(latency_.half_width_s, line.half_width_s);
     return;
   }
+  half_widths_sum_s_ += line.half_width_s;
+  ++half_widths_;
   drop_pair();
   const RangeProfile& previous = profiles_[newest_];
   newest_ = 1 - newest_;
@@ -100,7 +109,9 @@ void LatencyCalibration::step() noexcept {
   if (!outcome) {
     return;
   }
+  ++looked_at_;
   if (!*outcome) {
+    at_limit_ += outcome->error() == PairProblem::AtLimit ? 1 : 0;
     counters_.count(event_of(outcome->error()));
   } else if (pairs_.size() == pairs_.capacity()) {
     counters_.count(LatencyEvent::PairsDropped);
@@ -116,11 +127,12 @@ void LatencyCalibration::end_pass() noexcept {
   if (!config_.self_calibration) {
     return;
   }
-  const auto pass = combine();
+  auto pass = combine();
   if (!pass) {
     counters_.count(LatencyEvent::PassesRefused);
     return;
   }
+  pass->half_width_s = half_widths_sum_s_ / std::max(1U, half_widths_);
   latency_.sigma_s = std::hypot(latency_.sigma_s, config_.drift_sigma_s);
   if (latency_.pairs == 0 || agree(*pass, latency_)) {
     take(*pass);
@@ -171,10 +183,32 @@ double LatencyCalibration::scatter_s(double median_s) noexcept {
   return kToSigma * sorted_[static_cast<std::size_t>(count / 2)];
 }
 
+double LatencyCalibration::limit_s(double a_sigma_s, double b_sigma_s) const noexcept {
+  return std::max(config_.departure_min_s, config_.departure_sigmas * std::hypot(a_sigma_s, b_sigma_s));
+}
+
 bool LatencyCalibration::agree(const Latency& a, const Latency& b) const noexcept {
-  const double limit_s =
-      std::max(config_.departure_min_s, config_.departure_sigmas * std::hypot(a.sigma_s, b.sigma_s));
-  return std::abs(a.latency_s - b.latency_s) <= limit_s;
+  return std::abs(a.latency_s - b.latency_s) <= limit_s(a.sigma_s, b.sigma_s);
+}
+
+bool LatencyCalibration::departs(double limit_s) noexcept {
+  if (!config_.self_calibration || latency_.pairs == 0) {
+    return false;
+  }
+  const auto is_off = [&](double latency_s, double sigma_s) {
+    const double off_s = std::abs(latency_s - latency_.latency_s);
+    return off_s > std::max(limit_s, this->limit_s(sigma_s, latency_.sigma_s));
+  };
+  std::size_t off = at_limit_;
+  for (const PairEstimate& pair : pairs_) {
+    off += is_off(pair.latency_s, pair.sigma_s) ? 1 : 0;
+  }
+  const auto all = static_cast<double>(pairs_.size() + at_limit_);
+  if (off >= kPairsToDepart && static_cast<double>(off) >= kShareToDepart * all) {
+    return true;
+  }
+  const auto pass = combine();
+  return pass && is_off(pass->latency_s, pass->sigma_s);
 }
 
 /// The first pass replaces what was configured; later ones are merged by their weights.
@@ -190,6 +224,7 @@ void LatencyCalibration::take(const Latency& pass) noexcept {
   latency_.latency_s += (pass.latency_s - latency_.latency_s) * seen / (known + seen);
   latency_.sigma_s = 1.0 / std::sqrt(known + seen);
   latency_.pairs = pass.pairs;
+  latency_.half_width_s = pass.half_width_s;
 }
 
 void LatencyCalibration::depart(const Latency& pass) noexcept {

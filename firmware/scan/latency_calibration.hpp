@@ -1,5 +1,6 @@
 #pragma once
 
+#include "firmware/scan/latency.hpp"
 #include "firmware/scan/pair_alignment.hpp"
 #include "firmware/scan/range_profile.hpp"
 #include "firmware/scan/scan_config.hpp"
@@ -29,14 +30,6 @@ enum class LatencyEvent : std::uint8_t {
 };
 inline constexpr std::size_t kLatencyEvents = 11;
 
-/// The latency between the two devices as it is known: what must be added to the stamp of a reading to get
-/// the time at which the polls show the axis where the reading was made.
-struct Latency {
-  double latency_s = 0.0;
-  double sigma_s = 0.0;
-  std::uint32_t pairs = 0;  ///< that the last pass taken was made of; 0 while it is the configured value
-};
-
 /// Keeps the latency from what lines see. Lines come in passes (a scan, or the lines swept at one tilt at
 /// start-up); neighbouring lines swept in opposite directions are aligned (PairAlignment), and at the end of
 /// a pass its pairs are put together: robustly, and the pairs that were swept leftwards first by themselves,
@@ -57,6 +50,11 @@ class LatencyCalibration {
   void step() noexcept;
   /// Whether step() has work left.
   [[nodiscard]] bool is_busy() const noexcept { return alignment_.is_busy(); }
+  /// Whether a pair of the pass under way has been looked at.
+  [[nodiscard]] bool has_looked() const noexcept { return looked_at_ > 0; }
+  /// Whether the pass under way, as far as it was looked at, shows another latency than is known: as a whole,
+  /// or in a quarter of its pairs or more; by more than `limit_s`, and more than chance does.
+  [[nodiscard]] bool departs(double limit_s) noexcept;
   /// Puts the pass together. Pairs that step() had not come to are dropped.
   void end_pass() noexcept;
 
@@ -72,6 +70,7 @@ class LatencyCalibration {
   [[nodiscard]] double scatter_s(double median_s) noexcept;
   void take(const Latency& pass) noexcept;
   void depart(const Latency& pass) noexcept;
+  [[nodiscard]] double limit_s(double a_sigma_s, double b_sigma_s) const noexcept;
   [[nodiscard]] bool agree(const Latency& a, const Latency& b) const noexcept;
 
   LatencyConfig config_;
@@ -82,6 +81,10 @@ class LatencyCalibration {
   bool has_line_ = false;
   std::vector<PairEstimate> pairs_;
   std::vector<double> sorted_;
+  std::uint32_t looked_at_ = 0;  // pairs of this pass
+  std::uint32_t at_limit_ = 0;   // of these, beyond the latencies that are looked for
+  double half_widths_sum_s_ = 0.0;
+  std::uint32_t half_widths_ = 0;
   Latency latency_;
   Latency departed_;
   std::uint32_t departures_ = 0;  // in a row that agree with departed_

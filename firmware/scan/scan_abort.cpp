@@ -13,6 +13,7 @@ constexpr std::array<std::string_view, kScanAborts> kAborts = {
     "too many scanlines could not be used; check the counters of the lines",
     "the head was pushed while it scanned; leave it alone",
     "the carrier, or the head on it, moved during the scan; let it stand still until a scan has ended",
+    "the timing of a device is in doubt; see what is said of the device",
     "scanning is held",
     "the scan was ended on command",
 };
@@ -25,7 +26,19 @@ constexpr std::array<std::string_view, kHoldReasons> kHolds = {
     "the sensor leans by more than inclination.max_lean_deg; set it upright",
 };
 
+// In the order of ScanDoubt; an LCM status has room for 95 characters.
+constexpr std::array<std::string_view, kScanDoubts> kDoubts = {
+    "the timing of a device was in doubt during the scan",
+    "the pan-tilt unit's positions are timed too loosely; check its line, or scan more slowly",
+    "pan-tilt unit and rangefinder are not timed yet: too little is seen; or set latency.initial_s",
+    "pan-tilt unit and rangefinder are apart in time by more than before; being measured anew",
+};
+
 }  // namespace
+
+std::string_view describe(ScanDoubt doubt) noexcept {
+  return kDoubts[static_cast<std::size_t>(doubt)];
+}
 
 std::string_view describe(ScanAbort reason) noexcept {
   return kAborts[static_cast<std::size_t>(reason)];

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numbers>
 
 namespace slamsensor::firmware {
 namespace {
@@ -58,6 +60,7 @@ ScanAssembler::ScanAssembler(const ScanConfig& scan, const PanFitConfig& pan_fit
   samples_.reserve(scan.readings_per_line_max);
   readings_.reserve(scan.readings_per_line_max);
   stamps_.reserve(scan.readings_per_line_max);
+  half_widths_.reserve(scan.polls_per_line_max);
   polls_.reserve(scan.polls_per_line_max);
 }
 
@@ -90,19 +93,18 @@ void ScanAssembler::add(std::span<const hal::AxisSample> samples) noexcept {
   }
 }
 
-std::optional<tl::expected<Scanline, LineRejection>> ScanAssembler::step(hal::Stamp now, double latency_s,
-                                                                         double latency_sigma_s) noexcept {
+std::optional<tl::expected<Scanline, LineRejection>> ScanAssembler::step(hal::Stamp now,
+                                                                         const Latency& latency) noexcept {
   if (state_ != State::Closing || now < due_) {
     return std::nullopt;
   }
   state_ = State::Idle;
-  auto line = assemble(latency_s, latency_sigma_s);
+  auto line = assemble(latency);
   counters_.count(line ? AssemblerEvent::LinesFinished : line.error());
   return line;
 }
 
-tl::expected<Scanline, LineRejection> ScanAssembler::assemble(double latency_s,
-                                                              double latency_sigma_s) noexcept {
+tl::expected<Scanline, LineRejection> ScanAssembler::assemble(const Latency& latency) noexcept {
   const auto fit = fitter_.fit(move_, start_.pan_resolution_rad, polls_);
   if (!fit) {
     return tl::unexpected(rejection(fit.error()));
@@ -111,11 +113,11 @@ tl::expected<Scanline, LineRejection> ScanAssembler::assemble(double latency_s,
   if (!measure_tilt()) {
     return tl::unexpected(LineRejection::LinesTiltMoved);
   }
-  fill_readings(latency_s);
+  fill_readings(latency.latency_s);
   if (readings_.empty()) {
     return tl::unexpected(LineRejection::LinesNoReadings);
   }
-  return describe(latency_s, latency_sigma_s);
+  return describe(latency);
 }
 
 bool ScanAssembler::measure_tilt() noexcept {
@@ -173,7 +175,22 @@ void ScanAssembler::add_reading(const hal::RangeSample& sample, double pan_rad) 
   stamps_.push_back(sample.stamp);
 }
 
-Scanline ScanAssembler::describe(double latency_s, double latency_sigma_s) const noexcept {
+double ScanAssembler::median_half_width_s() noexcept {
+  half_widths_.clear();
+  for (const hal::AxisSample& poll : polls_) {
+    if (poll.axis == hal::Axis::Pan && poll.stamp >= fit_.begin() && poll.stamp <= fit_.end()) {
+      half_widths_.push_back(poll.half_width);
+    }
+  }
+  if (half_widths_.empty()) {
+    return 0.0;
+  }
+  const auto middle = half_widths_.begin() + std::ssize(half_widths_) / 2;
+  std::nth_element(half_widths_.begin(), middle, half_widths_.end());
+  return hal::to_seconds(*middle);
+}
+
+Scanline ScanAssembler::describe(const Latency& latency) noexcept {
   const hal::Stamp middle = fit_.begin() + (fit_.end() - fit_.begin()) / 2;
   const double speed_radps = std::abs(fit_.speed_radps(middle));
   const double ramp = ramp_s(move_);
@@ -184,19 +201,22 @@ Scanline ScanAssembler::describe(double latency_s, double latency_sigma_s) const
   const double middle_s = fit_.sigma_rad(middle) / std::max(1e-9, speed_radps);
   // Mean over the line of a variance that grows with the square of the distance from its middle.
   const double mean_s2 = middle_s * middle_s + std::max(0.0, ends_s * ends_s - middle_s * middle_s) / 3.0;
+  const double half_width_s = median_half_width_s();
+  const double wider_s = std::max(0.0, half_width_s - latency.half_width_s) / std::numbers::sqrt3;
   Scanline line;
+  line.half_width_s = half_width_s;
   line.readings = readings_;
   line.stamps = stamps_;
   line.tilt_rad = tilt_rad_;
   line.direction =
       move_.target_rad() > move_.start_rad() ? SweepDirection::Leftwards : SweepDirection::Rightwards;
-  line.pan_sigma_rad = speed_radps * std::sqrt(mean_s2 + latency_sigma_s * latency_sigma_s);
+  line.pan_sigma_rad = speed_radps * std::hypot(std::sqrt(mean_s2), latency.sigma_s, wider_s);
   line.line = start_.line;
   line.pan_radps = speed_radps;
   line.steady_min_rad = std::min(from_rad, to_rad);
   line.steady_max_rad = std::max(from_rad, to_rad);
   line.fit_sigma_s = std::sqrt(mean_s2);
-  line.latency_s = latency_s;
+  line.latency_s = latency.latency_s;
   return line;
 }
 

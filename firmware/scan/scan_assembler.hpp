@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/reading.hpp"
+#include "firmware/scan/latency.hpp"
 #include "firmware/scan/pan_fit.hpp"
 #include "firmware/scan/scan_config.hpp"
 #include "firmware/scan/scanline.hpp"
@@ -62,9 +63,9 @@ class ScanAssembler {
   void add(std::span<const hal::AxisSample> samples) noexcept;
 
   /// The line that is due at `now`, or why it is rejected; nothing while none is. A reading was measured when
-  /// the polls show the axis at its stamp + `latency_s`, known to `latency_sigma_s`.
-  [[nodiscard]] std::optional<tl::expected<Scanline, LineRejection>> step(hal::Stamp now, double latency_s,
-                                                                          double latency_sigma_s) noexcept;
+  /// the polls show the axis at its stamp + latency.
+  [[nodiscard]] std::optional<tl::expected<Scanline, LineRejection>> step(hal::Stamp now,
+                                                                          const Latency& latency) noexcept;
 
   /// Whether begin_line() would lose nothing.
   [[nodiscard]] bool is_idle() const noexcept { return state_ == State::Idle; }
@@ -80,12 +81,12 @@ class ScanAssembler {
     Closing,  ///< its late data is awaited
   };
 
-  [[nodiscard]] tl::expected<Scanline, LineRejection> assemble(double latency_s,
-                                                               double latency_sigma_s) noexcept;
+  [[nodiscard]] tl::expected<Scanline, LineRejection> assemble(const Latency& latency) noexcept;
   [[nodiscard]] bool measure_tilt() noexcept;
   void fill_readings(double latency_s) noexcept;
   void add_reading(const hal::RangeSample& sample, double pan_rad) noexcept;
-  [[nodiscard]] Scanline describe(double latency_s, double latency_sigma_s) const noexcept;
+  [[nodiscard]] Scanline describe(const Latency& latency) noexcept;
+  [[nodiscard]] double median_half_width_s() noexcept;
 
   PanFitter fitter_;
   hal::Stamp late_data_;
@@ -97,6 +98,7 @@ class ScanAssembler {
   double tilt_rad_ = 0.0;
   std::vector<hal::RangeSample> samples_;
   std::vector<hal::AxisSample> polls_;
+  std::vector<hal::Stamp> half_widths_;
   std::vector<core::Reading> readings_;
   std::vector<hal::Stamp> stamps_;
   hal::Counters<AssemblerEvent, kAssemblerEvents> counters_;

@@ -31,10 +31,12 @@ struct ScanConfig {
   std::uint32_t calibration_lines = 4;                ///< [0, 100], even: swept at start-up at one tilt
   double calibration_tilt_rad = 0.0;                  ///< [-90, 90] deg: where they are swept
   double settle_s = 0.05;                             ///< [0, 10] from the arrival of both axes to the sweep
-  double late_data_s = 0.1;                       ///< [0, 10] how long data of an ended line may be under way
-  double move_margin_s = 2.0;                     ///< [0.1, 60] a move that takes so much longer has stalled
-  double retry_s = 1.0;                           ///< [0, 600] rest between an aborted scan and the next
-  double lines_rejected_max_share = 0.2;          ///< [0, 1] a scan with more rejected lines is aborted
+  double late_data_s = 0.1;               ///< [0, 10] how long data of an ended line may be under way
+  double move_margin_s = 2.0;             ///< [0.1, 60] a move that takes so much longer has stalled
+  double retry_s = 1.0;                   ///< [0, 600] rest between an aborted scan and the next
+  double lines_rejected_max_share = 0.2;  ///< [0, 1] a scan with more rejected lines is aborted
+  double pan_sigma_max_rad =
+      std::numbers::pi / 360.0;  ///< [0.01, 10] deg: 0.5; a line whose pan is known worse is left out
   std::uint32_t readings_per_line_max = 120'000;  ///< [100, 2000000] room; 56 bytes each
   std::uint32_t polls_per_line_max = 2'000;       ///< [10, 100000] room for positions of a line
 };

@@ -28,8 +28,9 @@ ScanScheduler::ScanScheduler(hal::PanTilt& pan_tilt, const hal::Rangefinder& ran
       counters_({"scans_finished", "calibrations_finished", "scans_aborted_pan_tilt_lost",
                  "scans_aborted_rangefinder_lost", "scans_aborted_move_refused", "scans_aborted_pan_stalled",
                  "scans_aborted_tilt_stalled", "scans_aborted_lines_rejected", "scans_aborted_head_moved",
-                 "scans_aborted_carrier_moved", "scans_aborted_held", "scans_aborted_cancelled",
-                 "plans_refused", "lines_swept", "holds_begun", "requests_joined", "requests_cancelled"}) {
+                 "scans_aborted_carrier_moved", "scans_aborted_timing_in_doubt", "scans_aborted_held",
+                 "scans_aborted_cancelled", "plans_refused", "lines_swept", "holds_begun", "requests_joined",
+                 "requests_cancelled"}) {
   set_mode(config.mode);
 }
 
@@ -99,7 +100,7 @@ SchedulerAction ScanScheduler::wait(hal::Stamp now) noexcept {
   halt();
   const bool wanted = config_.mode == ScanMode::Continuous || requested_;
   if (!wanted || held() || now < until_ || pan_tilt_.state() != hal::DeviceState::Ready ||
-      rangefinder_.state() != hal::DeviceState::Ready) {
+      rangefinder_.state() != hal::DeviceState::Ready || is_timing_in_doubt()) {
     return SchedulerAction::None;
   }
   if (!make_plan()) {
@@ -175,7 +176,7 @@ SchedulerAction ScanScheduler::sweep(hal::Stamp now) noexcept {
 }
 
 SchedulerAction ScanScheduler::finish(hal::Stamp now, const SchedulerGates& gates) noexcept {
-  if (!gates.assembler_idle || (pass_ == ScanPass::Calibration && !gates.latency_idle)) {
+  if (!gates.assembler_idle || !gates.latency_idle) {
     return SchedulerAction::None;
   }
   if (pass_ == ScanPass::Calibration) {
@@ -196,6 +197,9 @@ std::optional<ScanAbort> ScanScheduler::find_abort() const noexcept {
   }
   if (rangefinder_.state() != hal::DeviceState::Ready) {
     return ScanAbort::RangefinderLost;
+  }
+  if (is_timing_in_doubt()) {
+    return ScanAbort::TimingInDoubt;
   }
   if (held()) {
     return ScanAbort::Held;
@@ -222,6 +226,10 @@ std::optional<ScanAbort> ScanScheduler::find_abort() const noexcept {
     return ScanAbort::LinesRejected;
   }
   return std::nullopt;
+}
+
+bool ScanScheduler::is_timing_in_doubt() const noexcept {
+  return !pan_tilt_.timing_doubt().empty() || !rangefinder_.timing_doubt().empty();
 }
 
 /// Whether an axis that had arrived is not there any more.

@@ -45,6 +45,7 @@ enum class SchedulerEvent : std::uint8_t {
   AbortedLinesRejected,
   AbortedHeadMoved,
   AbortedCarrierMoved,
+  AbortedTimingInDoubt,
   AbortedHeld,
   AbortedCancelled,
   PlansRefused,  ///< see plan_problem()
@@ -53,19 +54,19 @@ enum class SchedulerEvent : std::uint8_t {
   RequestsJoined,     ///< requests while one was waiting: they get the same scan
   RequestsCancelled,  ///< by abort_scan()
 };
-inline constexpr std::size_t kSchedulerEvents = 17;
+inline constexpr std::size_t kSchedulerEvents = 18;
 
 /// What a step must know of the other stations.
 struct SchedulerGates {
   bool assembler_idle = true;  ///< a line may begin
-  bool latency_idle = true;    ///< a calibration pass may end
+  bool latency_idle = true;    ///< a pass may end: the latency that it shows is known
 };
 
 /// Leads a pan-tilt unit through scans: to the start, a line, a step up, a line back, and on to the last
 /// line; before the first scan the same at one tilt for the latency. A pass is given up for a ScanAbort, the
-/// unit is halted, and it is begun again after `retry_s` (after a hold: at once), when both devices are Ready
-/// and nothing holds it. The plan is made anew for each pass, from what the unit tells then. No clock, no
-/// allocation; one thread.
+/// unit is halted, and it is begun again after `retry_s` (after a hold: at once), when both devices are
+/// Ready, their timing is not in doubt, and nothing holds it. The plan is made anew for each pass, from what
+/// the unit tells then. No clock, no allocation; one thread.
 class ScanScheduler {
  public:
   /// Both devices outlive this and are stepped by the caller.
@@ -119,6 +120,7 @@ class ScanScheduler {
   [[nodiscard]] SchedulerAction finish(hal::Stamp now, const SchedulerGates& gates) noexcept;
   [[nodiscard]] std::optional<ScanAbort> find_abort() const noexcept;
   [[nodiscard]] bool rests_elsewhere() const noexcept;
+  [[nodiscard]] bool is_timing_in_doubt() const noexcept;
   [[nodiscard]] SchedulerAction abort(ScanAbort reason, hal::Stamp now) noexcept;
   void halt() noexcept;
   [[nodiscard]] bool make_plan() noexcept;

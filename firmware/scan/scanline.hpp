@@ -20,13 +20,15 @@ struct Scanline {
   std::span<const hal::Stamp> stamps;       ///< of each reading, as the rangefinder's driver told it
   double tilt_rad = 0.0;                    ///< as the resting axis reported it
   SweepDirection direction = SweepDirection::Leftwards;
-  double pan_sigma_rad = 0.0;   ///< 1 sigma of a reading's pan, the latency's included
+  double pan_sigma_rad =
+      0.0;  ///< 1 sigma of a reading's pan, the latency's and a change of half_width_s included
   std::uint32_t line = 0;       ///< number within its scan (or calibration pass), from 0
   double pan_radps = 0.0;       ///< speed of the steady part, positive
   double steady_min_rad = 0.0;  ///< between these the pan ran at that speed
   double steady_max_rad = 0.0;
-  double fit_sigma_s = 0.0;  ///< 1 sigma of the pan fit in the middle of the line, as a time
-  double latency_s = 0.0;    ///< that was added to the stamps to tell pan from them
+  double fit_sigma_s = 0.0;   ///< 1 sigma of the pan fit in the middle of the line, as a time
+  double half_width_s = 0.0;  ///< median of the polls': the axis was at a place within this of the stamp
+  double latency_s = 0.0;     ///< that was added to the stamps to tell pan from them
 };
 
 }  // namespace slamsensor::firmware

@@ -21,7 +21,10 @@ SensorHead::SensorHead(hal::PanTilt& pan_tilt, hal::Rangefinder& rangefinder, co
       assembler_(config.scan, config.pan_fit),
       calibration_(config.latency, kScanlinesMax),
       motion_(config.motion),
-      levelling_(config.levelling) {
+      levelling_(config.levelling),
+      pan_sigma_max_rad_(config.scan.pan_sigma_max_rad),
+      loose_max_share_(config.scan.lines_rejected_max_share),
+      counters_({"lines_loose", "scans_loose", "scans_other_latency"}) {
   if (levelling_.source != InclinationSource::None) {
     levelled_.reserve(config.scan.readings_per_line_max);
   }
@@ -36,7 +39,8 @@ void SensorHead::step(hal::Stamp now) noexcept {
   pan_tilt_.step(now);
   rangefinder_.step(now);
   take_samples();
-  act(scheduler_.step(now, {assembler_.is_idle(), !calibration_.is_busy()}), now);
+  const bool knows_latency = !calibration_.is_busy() || (in_scan() && calibration_.has_looked());
+  act(scheduler_.step(now, {assembler_.is_idle(), knows_latency}), now);
   finish_line(now);
   calibrate();
 }
@@ -56,11 +60,23 @@ std::string_view SensorHead::problem() const noexcept {
   if (rangefinder_.state() != hal::DeviceState::Ready) {
     return rangefinder_.problem();
   }
+  for (const hal::Device* const device :
+       {static_cast<const hal::Device*>(&pan_tilt_), static_cast<const hal::Device*>(&rangefinder_)}) {
+    if (!device->timing_doubt().empty()) {
+      return device->timing_doubt();
+    }
+  }
   if (const auto reason = scheduler_.held()) {
     return describe(*reason);
   }
-  const auto& plan_problem = scheduler_.plan_problem();
-  return plan_problem ? describe(plan_problem->limit_hit) : std::string_view{};
+  if (const auto& plan_problem = scheduler_.plan_problem()) {
+    return describe(plan_problem->limit_hit);
+  }
+  return doubt_ ? describe(*doubt_) : std::string_view{};
+}
+
+bool SensorHead::is_timing_in_doubt() const noexcept {
+  return !pan_tilt_.timing_doubt().empty() || !rangefinder_.timing_doubt().empty();
 }
 
 void SensorHead::incline(const core::Attitude& told) noexcept {
@@ -118,6 +134,7 @@ void SensorHead::act(SchedulerAction action, hal::Stamp now) noexcept {
 void SensorHead::begin_pass() noexcept {
   if (in_scan()) {
     scan_ = {};
+    lines_loose_ = 0;
     scan_.scan = scans_++;
     scan_attitude_ = attitude_;
     motion_.begin_scan();
@@ -142,25 +159,48 @@ void SensorHead::begin_line() noexcept {
 void SensorHead::end_pass() noexcept {
   calibration_due_ = true;
   scan_attitude_.reset();
-  if (in_scan()) {
-    scan_.middle = scan_.begin + (scan_.end - scan_.begin) / 2;
-    scan_.lines_rejected = scheduler_.lines_rejected();
-    push(scan_);
+  if (!in_scan()) {
+    return;
   }
+  doubt_ = judge_timing();
+  if (doubt_) {
+    last_abort_ = ScanAbort::TimingInDoubt;
+    push(ScanAborted{scan_.scan, ScanAbort::TimingInDoubt});
+    return;
+  }
+  scan_.middle = scan_.begin + (scan_.end - scan_.begin) / 2;
+  scan_.lines_rejected = scheduler_.lines_rejected() + lines_loose_;
+  push(scan_);
+}
+
+std::optional<ScanDoubt> SensorHead::judge_timing() noexcept {
+  const ScanPlan& plan = scheduler_.plan();
+  if (lines_loose_ > loose_max_share_ * plan.lines) {
+    counters_.count(HeadEventCount::ScansLoose);
+    const bool is_measured = latency().pairs > 0 || latency().sigma_s == 0.0;
+    return is_measured ? ScanDoubt::PositionsLoose : ScanDoubt::LatencyUnknown;
+  }
+  if (calibration_.departs(pan_sigma_max_rad_ / plan.pan_speed_radps)) {
+    counters_.count(HeadEventCount::ScansOtherLatency);
+    return ScanDoubt::OtherLatency;
+  }
+  return std::nullopt;
 }
 
 void SensorHead::abort_pass() noexcept {
   scan_attitude_.reset();
   assembler_.abandon();
   last_abort_ = scheduler_.abort_reason();
+  if (last_abort_ == ScanAbort::TimingInDoubt) {
+    doubt_ = ScanDoubt::Device;
+  }
   if (in_scan()) {
     push(ScanAborted{scan_.scan, scheduler_.abort_reason()});
   }
 }
 
 void SensorHead::finish_line(hal::Stamp now) noexcept {
-  const Latency& latency = calibration_.latency();
-  const auto line = assembler_.step(now, latency.latency_s, latency.sigma_s);
+  const auto line = assembler_.step(now, calibration_.latency());
   if (!line) {
     return;
   }
@@ -169,7 +209,13 @@ void SensorHead::finish_line(hal::Stamp now) noexcept {
     return;
   }
   calibration_.add(**line);
-  if (in_scan()) {
+  if (!in_scan()) {
+    return;
+  }
+  if ((*line)->pan_sigma_rad > pan_sigma_max_rad_) {
+    ++lines_loose_;
+    counters_.count(HeadEventCount::LinesLoose);
+  } else {
     motion_.add(**line);
     if (motion_.has_moved()) {
       scheduler_.on_carrier_moved();

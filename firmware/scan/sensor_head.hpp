@@ -9,6 +9,7 @@
 #include "firmware/scan/scan_config.hpp"
 #include "firmware/scan/scan_scheduler.hpp"
 #include "firmware/scan/scanline.hpp"
+#include "hal/counters.hpp"
 #include "hal/pantilt/pan_tilt.hpp"
 #include "hal/rangefinder/rangefinder.hpp"
 #include "hal/ring.hpp"
@@ -46,6 +47,12 @@ struct ScanAborted {
 };
 
 using HeadEvent = std::variant<ScanBegun, Scanline, ScanEnded, ScanAborted>;
+
+enum class HeadEventCount : std::uint8_t {
+  LinesLoose,         ///< not handed out: ScanConfig::pan_sigma_max_rad
+  ScansLoose,         ///< given up at their end: too many of these
+  ScansOtherLatency,  ///< given up at their end: ScanDoubt::OtherLatency
+};
 
 /// A pan-tilt unit and a rangefinder that make scans, levelled when it is known how the sensor leans: the
 /// readings handed out are in the level frame (core::Attitude) then, those that the latency and the carrier's
@@ -89,6 +96,11 @@ class SensorHead {
   [[nodiscard]] const LatencyCalibration& calibration() const noexcept { return calibration_; }
   [[nodiscard]] const MotionDetector& motion() const noexcept { return motion_; }
   [[nodiscard]] const Latency& latency() const noexcept { return calibration_.latency(); }
+  /// Why the last scan that was made to its end gave nothing, if its timing was in doubt.
+  [[nodiscard]] const std::optional<ScanDoubt>& doubt() const noexcept { return doubt_; }
+  /// The timing of a device is in doubt now.
+  [[nodiscard]] bool is_timing_in_doubt() const noexcept;
+  [[nodiscard]] std::span<const hal::Counter> counters() const noexcept { return counters_.all(); }
   /// What the rangefinder said since construction, echo or none.
   [[nodiscard]] std::uint64_t readings() const noexcept { return readings_; }
   /// Events that nobody took, since construction.
@@ -108,6 +120,7 @@ class SensorHead {
   [[nodiscard]] Scanline levelled(Scanline line) noexcept;
   void calibrate() noexcept;
   void push(const HeadEvent& event) noexcept;
+  [[nodiscard]] std::optional<ScanDoubt> judge_timing() noexcept;
   [[nodiscard]] bool in_scan() const noexcept { return scheduler_.pass() == ScanPass::Scan; }
 
   hal::PanTilt& pan_tilt_;
@@ -124,6 +137,11 @@ class SensorHead {
   ScanEnded scan_;                               // under way
   std::uint32_t scans_ = 0;
   std::optional<ScanAbort> last_abort_;
+  double pan_sigma_max_rad_;
+  double loose_max_share_;
+  std::uint32_t lines_loose_ = 0;  // of the scan under way
+  std::optional<ScanDoubt> doubt_;
+  hal::Counters<HeadEventCount, 3> counters_;
   hal::Ring<HeadEvent, kEventsMax> events_;
   std::uint64_t events_dropped_ = 0;
   std::uint64_t readings_ = 0;

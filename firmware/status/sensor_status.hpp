@@ -51,7 +51,7 @@ using ProblemText = hal::FixedText<hal::kProblemMax>;
 
 struct DeviceStatus {
   hal::DeviceState state = hal::DeviceState::Absent;
-  ProblemText problem;           ///< of the driver or its link; empty when it works
+  ProblemText problem;           ///< of the driver, its link or its timing; empty when it works
   hal::FixedText<80> model;      ///< as the device said; empty before it did
   std::uint32_t recoveries = 0;  ///< times it got Ready again after it had been
   hal::Stamp last_recovery{};    ///< how long the last of them took, from the loss
@@ -67,6 +67,7 @@ struct HeadStatus {
   std::optional<core::Attitude> attitude;    ///< by which the readings are levelled
   std::string_view phase = "waiting";        ///< waiting, calibrating, scanning
   ProblemText problem;                       ///< what keeps it from scanning; empty when nothing does
+  bool timing_in_doubt = false;              ///< of a device: its problem says why
   bool held = false;                         ///< interlock open or paused on command
   std::uint32_t scan = 0;                    ///< number of the scan under way or next
   std::uint32_t line = 0;                    ///< of it

@@ -16,10 +16,14 @@ void SensorTracker::on_head(const HeadStatus& head) {
                (!head.inclinometer || head.inclinometer->state == hal::DeviceState::Ready);
   were_ready_ = were_ready_ || all_ready_;
   is_held_ = head.held;
+  is_timing_in_doubt_ = head.timing_in_doubt;
   if (fix_ && (!all_ready_ || is_held_)) {
     // Nobody looked meanwhile: where the sensor was is a fix again when the next scan says so.
     fix_->status = core::FixStatus::NoFix;
     fix_->reason = core::FixReason::Device;
+  } else if (fix_ && is_timing_in_doubt_) {
+    fix_->status = core::FixStatus::NoFix;
+    fix_->reason = core::FixReason::Timing;
   }
 }
 
@@ -36,6 +40,9 @@ SensorState SensorTracker::state(hal::Stamp now) const {
   }
   if (is_held_) {
     return SensorState::Held;
+  }
+  if (is_timing_in_doubt_) {
+    return SensorState::Lost;
   }
   if (!fix_) {
     return SensorState::Scanning;
@@ -64,7 +71,10 @@ FixReport SensorTracker::report(hal::Stamp now) const {
       report.fix.reason = core::FixReason::Device;
       break;
     case SensorState::Lost:
-      if (is_stale(now)) {
+      if (is_timing_in_doubt_) {
+        report.fix.status = core::FixStatus::NoFix;
+        report.fix.reason = core::FixReason::Timing;
+      } else if (is_stale(now)) {
         report.fix.status = core::FixStatus::NoFix;
         report.fix.reason = core::FixReason::Stale;
       }

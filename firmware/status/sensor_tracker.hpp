@@ -20,7 +20,8 @@ namespace slamsensor::firmware {
 ///              After both the last fix stays void (Lost, reason device) until a scan has been made.
 ///   Scanning   no scan has been localised yet
 ///   Fixed, Ambiguous, Lost   as the last scan ended; Lost with the reason stale when no scan has come for
-///              FixConfig::stale_s, with the reason moved when the carrier moved while it was scanned
+///              FixConfig::stale_s, with the reason moved when the carrier moved while it was scanned,
+///              with the reason timing while or since that of a device is in doubt
 class SensorTracker {
  public:
   /// `initialization` differs from start to start; `start` is the start of the daemon.
@@ -51,6 +52,7 @@ class SensorTracker {
   bool all_ready_ = false;
   bool were_ready_ = false;
   bool is_held_ = false;
+  bool is_timing_in_doubt_ = false;
 };
 
 }  // namespace slamsensor::firmware

@@ -26,6 +26,8 @@ std::string_view meaning(core::FixReason reason) {
       return "the sensor head is not working";
     case core::FixReason::Moved:
       return "the carrier moved";
+    case core::FixReason::Timing:
+      return "the timing of a device is in doubt";
     case core::FixReason::None:
       break;
   }

@@ -63,7 +63,8 @@ void StatusLogger::compare_head(const SensorStatus& status, std::vector<LogEntry
     entries.push_back(head.held ? LogEntry{LogLevel::Notice, with_problem("scanning is held", problem)}
                                 : LogEntry{LogLevel::Notice, "scanning goes on"});
   } else if (problem != head_problem_ && !problem.empty() && !head.held) {
-    entries.push_back({LogLevel::Warning, with_problem("no scanning", problem)});
+    entries.push_back(
+        {LogLevel::Warning, with_problem(head.phase == "waiting" ? "no scanning" : "sensor head", problem)});
   }
   is_held_ = head.held;
   head_problem_ = problem;

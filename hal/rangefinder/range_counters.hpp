@@ -24,6 +24,7 @@ enum class RangeEvent : std::uint8_t {
   LineRatesTried,
   StreamSilences,
   RateDeviations,  ///< readings came at another rate than was set
+  TimingDoubts,    ///< times since which readings could not be timed: see Device::timing_doubt()
   PeriodsMissing,  ///< readings that never came, as gaps between arrivals show
   PhaseLocks,      ///< pauses after which the times of readings were found anew
   StartsOver,
@@ -37,8 +38,8 @@ class RangeCounters : public Counters<RangeEvent, kRangeEvents> {
       : Counters(std::array<std::string_view, kRangeEvents>{
             "readings_dropped", "readings_withheld", "records_refused", "checksum_errors", "lengths_refused",
             "bytes_skipped", "foreign_records", "locks_lost", "requests_repeated", "requests_refused",
-            "line_rates_tried", "stream_silences", "rate_deviations", "periods_missing", "phase_locks",
-            "starts_over", "link_losses"}) {}
+            "line_rates_tried", "stream_silences", "rate_deviations", "timing_doubts", "periods_missing",
+            "phase_locks", "starts_over", "link_losses"}) {}
 };
 
 }  // namespace slamsensor::hal

@@ -1,6 +1,7 @@
 #include "hal/rangefinder/range_driver.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -11,6 +12,28 @@ namespace {
 constexpr double kSilentPeriods = 20.0;
 constexpr Stamp kSilenceLeast = std::chrono::milliseconds(250);  // longer than a stall of the host
 constexpr std::size_t kLostMost = 1000;
+constexpr double kRateTold = 0.01;  // share: smaller changes of a rate that is off are not told
+
+/// Writes words and whole numbers side by side, without memory.
+class DoubtWriter {
+ public:
+  void words(std::string_view words) noexcept {
+    const std::size_t count = std::min(words.size(), text_.size() - size_);
+    std::copy_n(words.begin(), count, text_.begin() + static_cast<std::ptrdiff_t>(size_));
+    size_ += count;
+  }
+  void whole(double value) noexcept {
+    std::array<char, 24> digits{};
+    const auto rounded = std::llround(std::clamp(value, 0.0, 1e9));
+    const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), rounded);
+    words({digits.data(), static_cast<std::size_t>(end - digits.data())});
+  }
+  [[nodiscard]] std::string_view view() const noexcept { return {text_.data(), size_}; }
+
+ private:
+  std::array<char, 128> text_{};
+  std::size_t size_ = 0;
+};
 
 }  // namespace
 
@@ -59,10 +82,41 @@ RangeDriver::RangeDriver(std::unique_ptr<DeviceLine> line, const RangeConfig& co
 void RangeDriver::step(Stamp now) noexcept {
   if (!dialogue_.open(now)) {
     clock_.restart();
+    doubt_ = {};
+    was_in_doubt_ = false;
     return;
   }
   receive(now);
   dialogue_.close(now);
+  tell_doubt();
+}
+
+void RangeDriver::tell_doubt() noexcept {
+  const bool is_in_doubt = dialogue_.state() == DeviceState::Ready && clock_.is_in_doubt();
+  counters_.count(RangeEvent::TimingDoubts, is_in_doubt && !was_in_doubt_ ? 1 : 0);
+  if (!is_in_doubt) {
+    was_in_doubt_ = false;
+    doubt_ = {};
+    return;
+  }
+  const double rate_hz = clock_.apparent_rate_hz();
+  if (was_in_doubt_ && std::abs(rate_hz - told_hz_) < kRateTold * info_.rate_hz) {
+    return;  // a text that changes all the time is no help
+  }
+  was_in_doubt_ = true;
+  told_hz_ = rate_hz;
+  if (std::abs(rate_hz / info_.rate_hz - 1.0) <= config_.clock.tolerance_ppm * 1e-6) {
+    doubt_ =
+        FixedText<kDoubtMax>("readings come too irregularly to be timed; check cable and load of the host");
+    return;
+  }
+  DoubtWriter text;
+  text.words("readings come at ");
+  text.whole(rate_hz);
+  text.words(" Hz instead of ");
+  text.whole(info_.rate_hz);
+  text.words(" Hz: not used; check rate and cable");
+  doubt_ = FixedText<kDoubtMax>(text.view());
 }
 
 void RangeDriver::expect_rate(double rate_hz, std::size_t block) noexcept {

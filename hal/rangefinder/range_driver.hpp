@@ -1,5 +1,6 @@
 #pragma once
 
+#include "hal/fixed_text.hpp"
 #include "hal/init_error.hpp"
 #include "hal/rangefinder/dialogue.hpp"
 #include "hal/rangefinder/range_counters.hpp"
@@ -15,6 +16,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 
 namespace slamsensor::hal {
 
@@ -49,12 +51,14 @@ class RangeDriver : public Rangefinder, protected Script {
   void step(Stamp now) noexcept final;
   [[nodiscard]] DeviceState state() const noexcept final { return dialogue_.state(); }
   [[nodiscard]] std::string_view problem() const noexcept final { return dialogue_.problem(); }
+  [[nodiscard]] std::string_view timing_doubt() const noexcept final { return doubt_.view(); }
   [[nodiscard]] std::span<const Counter> counters() const noexcept final { return counters_.all(); }
   [[nodiscard]] std::size_t take(std::span<RangeSample> into) noexcept final { return samples_.take(into); }
   [[nodiscard]] const RangefinderInfo& info() const noexcept final { return info_; }
 
  protected:
   static constexpr std::size_t kBlockMax = 256;
+  static constexpr std::size_t kDoubtMax = 95;  ///< an LCM status has room for no more
 
   RangeDriver(std::unique_ptr<DeviceLine> line, const RangeConfig& config) noexcept;
 
@@ -76,7 +80,12 @@ class RangeDriver : public Rangefinder, protected Script {
   Dialogue dialogue_;
 
  private:
+  void tell_doubt() noexcept;
+
   RangeConfig config_;
+  bool was_in_doubt_ = false;
+  double told_hz_ = 0.0;
+  FixedText<kDoubtMax> doubt_;
   Ring<RangeSample, kRangeSamplesMax> samples_;
 };
 

@@ -18,7 +18,7 @@ SYNC = 0xEDA1DA01
 POSE = struct.Struct(">Q 10q 4b 3d 9d 4q d 3q")  # slamsensor.pose_t behind its fingerprint
 STATUS = ("no_fix", "ambiguous", "fix")
 FIX = 2
-WITHDRAWN = (5, 6, 7)  # reasons: stale, device, moved
+WITHDRAWN = (5, 6, 7, 8)  # reasons: stale, device, moved, timing
 SKIPPED, OWN_NETWORK = 77, ("unshare", "-n")
 UNPLUG_AT_S, OUT_S = 14.0, 0.7
 

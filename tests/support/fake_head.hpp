@@ -12,6 +12,7 @@
 #include <functional>
 #include <numbers>
 #include <random>
+#include <string_view>
 #include <vector>
 
 namespace slamsensor::tests {
@@ -44,6 +45,7 @@ class FakePanTilt final : public hal::PanTilt {
   hal::DeviceState device_state = hal::DeviceState::Ready;
   hal::MoveStatus answer = hal::MoveStatus::Accepted;  ///< of the moves to come
   int halts = 0;
+  double held_up_s = 0.0;  ///< from now on, positions are stamped so much later and within so much more
   FakeAxis pan;
   FakeAxis tilt;
 
@@ -126,8 +128,9 @@ class FakePanTilt final : public hal::PanTilt {
     if (config_.delayed_share > 0.0 && draw(rng_) < config_.delayed_share) {
       late_s += 0.005 + 0.055 * draw(rng_);
     }
+    late_s += held_up_s;
     const hal::Stamp stamp = now + hal::from_seconds(late_s);
-    samples_.push_back({stamp, hal::from_seconds(config_.half_width_s), position_rad, axis});
+    samples_.push_back({stamp, hal::from_seconds(config_.half_width_s + held_up_s), position_rad, axis});
     status.position_rad = position_rad;
     status.polled = stamp;
     const bool there = std::abs(position_rad - status.move.target_rad()) < 0.5 * config_.resolution_rad;
@@ -163,6 +166,8 @@ class FakeRangefinder final : public hal::Rangefinder {
  public:
   hal::DeviceState device_state = hal::DeviceState::Ready;
   bool is_silent = false;  ///< Ready, but tells nothing
+  double held_up_s = 0.0;  ///< by which readings are stamped later from now on
+  std::string_view doubt;  ///< of the timing
 
   FakeRangefinder(const FakeRangefinderConfig& config, const FakePanTilt& mount, Scene scene)
       : config_(config), mount_(mount), scene_(std::move(scene)), rng_(config.seed) {
@@ -178,6 +183,7 @@ class FakeRangefinder final : public hal::Rangefinder {
   }
   [[nodiscard]] hal::DeviceState state() const noexcept override { return device_state; }
   [[nodiscard]] std::string_view problem() const noexcept override { return "fake rangefinder is not ready"; }
+  [[nodiscard]] std::string_view timing_doubt() const noexcept override { return doubt; }
   [[nodiscard]] std::span<const hal::Counter> counters() const noexcept override { return {}; }
   [[nodiscard]] const hal::RangefinderInfo& info() const noexcept override { return info_; }
 
@@ -216,7 +222,7 @@ class FakeRangefinder final : public hal::Rangefinder {
     }
     const double pan_rad = mount_.pan.true_rad(at);
     hal::RangeSample sample = scene_(pan_rad, mount_.tilt.true_rad(at), at);
-    sample.stamp = at + hal::from_seconds(config_.latency_s + config_.jitter_s * draw(rng_));
+    sample.stamp = at + hal::from_seconds(config_.latency_s + held_up_s + config_.jitter_s * draw(rng_));
     samples_.push_back(sample);
     truth_.push_back({sample.stamp, pan_rad});
   }

@@ -75,15 +75,25 @@ std::vector<const ShotTruth*> shots_of(const firmware::Scanline& line, const std
 
 tl::expected<std::unique_ptr<ByteDrive>, WorldError> ByteDrive::create(
     Scenario scenario, const firmware::SensorHeadConfig& config) {
+  const firmware::HeadConfig host = head_config(scenario.head);
+  return create(std::move(scenario), config, host, [](InProcessHead& head) {
+    return firmware::HeadLinks{head.ptu_bytes(), head.ptu_can(), head.rangefinder_bytes(),
+                               head.rangefinder_can()};
+  });
+}
+
+tl::expected<std::unique_ptr<ByteDrive>, WorldError> ByteDrive::create(
+    Scenario scenario, const firmware::SensorHeadConfig& config, const firmware::HeadConfig& host,
+    const Through& through) {
   scenario.change = StandChange::OnScanEnd;
   scenario.truth_max = kTruthMax;
   auto head = InProcessHead::create(scenario);
   if (!head) {
     return tl::unexpected(head.error());
   }
-  auto drivers = make_head_drivers(scenario.head, **head);
+  auto drivers = firmware::make_head_drivers(host, through(**head));
   if (!drivers) {
-    return tl::unexpected(drivers.error());
+    return tl::unexpected(WorldError{drivers.error().message});
   }
   return std::unique_ptr<ByteDrive>(new ByteDrive(std::move(*head), std::move(*drivers), config));
 }

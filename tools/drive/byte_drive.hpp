@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -37,6 +38,13 @@ class ByteDrive {
   /// The head of `scenario`, whose stands change when a scan ends.
   [[nodiscard]] static tl::expected<std::unique_ptr<ByteDrive>, WorldError> create(
       Scenario scenario, const firmware::SensorHeadConfig& config);
+
+  /// The same with host settings and links of the caller's: `through` gets the links of the emulated devices
+  /// and returns those for the drivers, which may pass on less, more or later.
+  using Through = std::function<firmware::HeadLinks(InProcessHead& head)>;
+  [[nodiscard]] static tl::expected<std::unique_ptr<ByteDrive>, WorldError> create(
+      Scenario scenario, const firmware::SensorHeadConfig& config, const firmware::HeadConfig& host,
+      const Through& through);
 
   /// Runs until a scan has ended, and moves on to the next stand; nothing when none ended within `limit_s`.
   [[nodiscard]] std::optional<DrivenScan> next_scan(double limit_s);

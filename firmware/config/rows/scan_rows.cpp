@@ -54,6 +54,8 @@ constexpr Setting kSettings[] = {
      real<kHead, &SensorHeadConfig::scan, &ScanConfig::retry_s>(0.0, 600.0)},
     {"scan.lines_rejected_max_share", "", "A scan with a larger share of rejected lines is aborted.",
      real<kHead, &SensorHeadConfig::scan, &ScanConfig::lines_rejected_max_share>(0.0, 1.0)},
+    {"scan.pan_sigma_max_deg", "deg", "A line whose pan angles are known worse (1 sigma) is left out; a scan with too many gives no fix.",
+     degrees<kHead, &SensorHeadConfig::scan, &ScanConfig::pan_sigma_max_rad>(0.01, 10.0)},
     {"scan.readings_per_line_max", "", "Room for the readings of a line; 56 bytes each.",
      integer<kHead, &SensorHeadConfig::scan, &ScanConfig::readings_per_line_max>(100, 2'000'000)},
     {"scan.polls_per_line_max", "", "Room for the positions of a line.",

@@ -127,7 +127,7 @@ TEST_F(SlamLoopTest, OrdersComeBeforeScansAndAreAnswered) {
   EXPECT_EQ(outlets.status.value().landmarks, 0U);
 }
 
-TEST_F(SlamLoopTest, AMoveOfTheCarrierTakesTheFixBack) {
+TEST_F(SlamLoopTest, AMoveOfTheCarrierAndTimingInDoubtTakeTheFixBack) {
   ASSERT_TRUE(scan_at(0.0));
   queue.push(ScanAborted{1, ScanAbort::CarrierMoved}, kNow);
   run();
@@ -135,7 +135,12 @@ TEST_F(SlamLoopTest, AMoveOfTheCarrierTakesTheFixBack) {
   ASSERT_TRUE(outlets.fixes.pop(message));
   EXPECT_EQ(message.fix.status, core::FixStatus::NoFix);
   EXPECT_EQ(message.fix.reason, core::FixReason::Moved);
-  queue.push(ScanAborted{2, ScanAbort::PanTiltLost}, kNow);
+  queue.push(ScanAborted{2, ScanAbort::TimingInDoubt}, kNow);
+  run();
+  ASSERT_TRUE(outlets.fixes.pop(message));
+  EXPECT_EQ(message.fix.status, core::FixStatus::NoFix);
+  EXPECT_EQ(message.fix.reason, core::FixReason::Timing);
+  queue.push(ScanAborted{3, ScanAbort::PanTiltLost}, kNow);
   run();
   EXPECT_FALSE(outlets.fixes.pop(message));
 }

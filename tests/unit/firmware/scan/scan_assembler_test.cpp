@@ -46,8 +46,8 @@ class ScanAssemblerTest : public ::testing::Test {
     assembler.add(samples);
     assembler.add(polls);
     assembler.end_line(move, milliseconds(2100));
-    EXPECT_FALSE(assembler.step(milliseconds(2199), latency_s, 0.0).has_value());
-    return assembler.step(milliseconds(2200), latency_s, 0.0);
+    EXPECT_FALSE(assembler.step(milliseconds(2199), {latency_s}).has_value());
+    return assembler.step(milliseconds(2200), {latency_s});
   }
 };
 
@@ -153,7 +153,7 @@ TEST_F(ScanAssemblerTest, SamplesOutsideALineAreNotKept) {
   assembler.abandon();
   assembler.add(samples);
   assembler.end_line(move, milliseconds(2100));
-  EXPECT_FALSE(assembler.step(milliseconds(9000), 0.0, 0.0).has_value());
+  EXPECT_FALSE(assembler.step(milliseconds(9000), {}).has_value());
   EXPECT_EQ(assembler.count(AssemblerEvent::ReadingsOverflow), 0U);
 }
 

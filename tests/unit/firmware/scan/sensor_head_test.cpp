@@ -164,6 +164,7 @@ TEST(SensorHead, AnImpossiblePlanIsToldAndTriedAgain) {
 TEST(SensorHead, WithoutEdgesItScansOnWithTheConfiguredLatency) {
   SensorHeadConfig config = short_scan();
   config.latency.initial_s = 0.003;
+  config.latency.initial_sigma_s = 0.002;
   HeadRig rig(config, kUnit, kRange, plain);
   rig.run(60.0, 1);
   EXPECT_EQ(rig.taken.ended.size(), 1U);
@@ -172,6 +173,15 @@ TEST(SensorHead, WithoutEdgesItScansOnWithTheConfiguredLatency) {
   EXPECT_EQ(rig.head.calibration().count(LatencyEvent::PairsNoEdges),
             2U);  // that of the last line is under way
   EXPECT_EQ(rig.head.calibration().count(LatencyEvent::PassesRefused), 1U);
+}
+
+TEST(SensorHead, WithoutEdgesALatencyConfiguredTooLooselyGivesNoScan) {
+  HeadRig rig(short_scan(), kUnit, kRange, plain);  // known to 20 ms: 1 deg of pan
+  rig.run(60.0);
+  EXPECT_TRUE(rig.taken.ended.empty());
+  ASSERT_GE(rig.taken.aborted.size(), 2U);
+  EXPECT_EQ(rig.taken.aborted[0].reason, ScanAbort::TimingInDoubt);
+  EXPECT_EQ(rig.head.problem(), describe(ScanDoubt::LatencyUnknown));
 }
 
 TEST(SensorHead, WithoutRampsOrWithThemTheReadingsAreWhereTheyWereMade) {

@@ -112,6 +112,22 @@ TEST_F(SensorTrackerTest, HeldIsNoFix) {
   expect(SensorState::Lost, FixStatus::NoFix, FixReason::Device, seconds(112));
 }
 
+TEST_F(SensorTrackerTest, TimingInDoubtIsNoFixHoweverLong) {
+  HeadStatus doubtful = ready_head();
+  doubtful.timing_in_doubt = true;
+  tracker_.on_head(doubtful);
+  expect(SensorState::Lost, FixStatus::NoFix, FixReason::Timing, seconds(105));
+  tracker_.on_head(ready_head());
+  tracker_.on_fix(good_fix(), seconds(110));
+  tracker_.on_head(doubtful);
+  expect(SensorState::Lost, FixStatus::NoFix, FixReason::Timing, seconds(111));
+  expect(SensorState::Lost, FixStatus::NoFix, FixReason::Timing, seconds(500));
+  tracker_.on_head(ready_head());
+  expect(SensorState::Lost, FixStatus::NoFix, FixReason::Timing, seconds(112));
+  tracker_.on_fix(good_fix(), seconds(114));
+  expect(SensorState::Fixed, FixStatus::Fix, FixReason::None, seconds(115));
+}
+
 TEST_F(SensorTrackerTest, AnotherMapMakesTheFixVoid) {
   tracker_.on_head(ready_head());
   tracker_.on_fix(good_fix(), seconds(110));

@@ -199,5 +199,29 @@ TEST(LwnxConfig, WrongSettingsAreNamed) {
   EXPECT_FALSE(make_lwnx_rangefinder(config, link));
 }
 
+TEST(LwnxTiming, ADeviceOffItsRateIsInDoubtUntilItIsNot) {
+  RangeBench bench;
+  LightWare device;
+  device.rate_hz = 388.0;
+  connect(bench, device, config_at(388.0));
+  ASSERT_TRUE(bench.run_until_ready(8000)) << bench.driver->problem();
+  bench.run(3000);
+  EXPECT_TRUE(bench.driver->timing_doubt().empty());
+  device.rate_hz = 345.0;
+  bench.run(3000);
+  EXPECT_EQ(bench.driver->state(), DeviceState::Ready);
+  EXPECT_EQ(bench.driver->timing_doubt().substr(0, 18), "readings come at 3");
+  EXPECT_NE(bench.driver->timing_doubt().find("instead of 388 Hz"), std::string_view::npos);
+  EXPECT_EQ(bench.counter("timing_doubts"), 1U);
+  bench.samples.clear();
+  bench.run(5000);
+  EXPECT_TRUE(bench.samples.empty());
+  device.rate_hz = 388.0;
+  bench.run(4000);
+  EXPECT_TRUE(bench.driver->timing_doubt().empty());
+  EXPECT_GT(bench.samples.size(), 300U);
+  EXPECT_EQ(bench.counter("timing_doubts"), 1U);
+}
+
 }  // namespace
 }  // namespace slamsensor::hal
