@@ -14,7 +14,7 @@ constexpr double kCommonCells = 0.1;
 constexpr double kSigmaMin_s = 1e-5;
 // Pairs that depart by themselves, when the latency changed in the middle of a pass.
 constexpr std::size_t kPairsToDepart = 2;
-constexpr double kShareToDepart = 0.25;
+constexpr double kShareToDepart = 0.4;
 
 constexpr LatencyEvent event_of(PairProblem problem) noexcept {
   switch (problem) {
@@ -72,7 +72,7 @@ LatencyCalibration::LatencyCalibration(const LatencyConfig& config, std::size_t 
 void LatencyCalibration::begin_pass(double pan_min_rad, double pan_max_rad, double reading_rad) noexcept {
   drop_pair();
   pairs_.clear();
-  looked_at_ = at_limit_ = half_widths_ = 0;
+  looked_at_ = half_widths_ = 0;
   half_widths_sum_s_ = 0.0;
   has_line_ = false;
   grid_ = make_grid(pan_min_rad, pan_max_rad, reading_rad);
@@ -111,7 +111,6 @@ void LatencyCalibration::step() noexcept {
   }
   ++looked_at_;
   if (!*outcome) {
-    at_limit_ += outcome->error() == PairProblem::AtLimit ? 1 : 0;
     counters_.count(event_of(outcome->error()));
   } else if (pairs_.size() == pairs_.capacity()) {
     counters_.count(LatencyEvent::PairsDropped);
@@ -199,12 +198,13 @@ bool LatencyCalibration::departs(double limit_s) noexcept {
     const double off_s = std::abs(latency_s - latency_.latency_s);
     return off_s > std::max(limit_s, this->limit_s(sigma_s, latency_.sigma_s));
   };
-  std::size_t off = at_limit_;
+  std::array<std::size_t, 2> off{};  // by the side: people and twigs make pairs depart to both
   for (const PairEstimate& pair : pairs_) {
-    off += is_off(pair.latency_s, pair.sigma_s) ? 1 : 0;
+    off[pair.latency_s > latency_.latency_s ? 1 : 0] += is_off(pair.latency_s, pair.sigma_s) ? 1 : 0;
   }
-  const auto all = static_cast<double>(pairs_.size() + at_limit_);
-  if (off >= kPairsToDepart && static_cast<double>(off) >= kShareToDepart * all) {
+  const std::size_t most = std::max(off[0], off[1]);
+  if (most >= kPairsToDepart &&
+      static_cast<double>(most) >= kShareToDepart * static_cast<double>(pairs_.size())) {
     return true;
   }
   const auto pass = combine();

@@ -53,7 +53,7 @@ class LatencyCalibration {
   /// Whether a pair of the pass under way has been looked at.
   [[nodiscard]] bool has_looked() const noexcept { return looked_at_ > 0; }
   /// Whether the pass under way, as far as it was looked at, shows another latency than is known: as a whole,
-  /// or in a quarter of its pairs or more; by more than `limit_s`, and more than chance does.
+  /// or in two fifths of its pairs to one side; by more than `limit_s`, and more than chance does.
   [[nodiscard]] bool departs(double limit_s) noexcept;
   /// Puts the pass together. Pairs that step() had not come to are dropped.
   void end_pass() noexcept;
@@ -82,7 +82,6 @@ class LatencyCalibration {
   std::vector<PairEstimate> pairs_;
   std::vector<double> sorted_;
   std::uint32_t looked_at_ = 0;  // pairs of this pass
-  std::uint32_t at_limit_ = 0;   // of these, beyond the latencies that are looked for
   double half_widths_sum_s_ = 0.0;
   std::uint32_t half_widths_ = 0;
   Latency latency_;
