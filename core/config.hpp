@@ -14,7 +14,7 @@ enum class LandmarkPoint : std::uint8_t {
   ReadingMean,   ///< mean of the nearest readings of the cells: not quantised by the grid
 };
 
-/// Landmark detection (DESIGN 2.2; the paper's section II-B). Defaults are the paper's experiment I.
+/// Landmark detection (DESIGN 2.2; the paper's section II-A). Defaults are the paper's experiment I.
 struct DetectionConfig {
   double range_min_m = 0.0;    ///< nearer returns are the carrier: their column counts as not looked at
   double range_max_m = 300.0;  ///< d_max; a return beyond it counts as no return
@@ -39,8 +39,17 @@ enum class CandidateRank : std::uint8_t {
   Matches,       ///< the one with the most matches (the paper)
 };
 
-/// Data association (DESIGN 2.3; the paper's section II-C).
+/// How poses are searched for.
+enum class SearchMethod : std::uint8_t {
+  Fast,   ///< by an index of the maps' triangles (fast_search.hpp)
+  Paper,  ///< by the correspondence graph (paper_search.hpp)
+};
+
+/// Data association (DESIGN 2.3; the paper's section II-B).
 struct AssociationConfig {
+  SearchMethod search = SearchMethod::Fast;
+  std::uint32_t index_neighbours = 6;  ///< of the fast search: neighbours that a landmark forms triangles with
+  std::uint64_t effort_max = 40'000'000;  ///< of the fast search: about nanoseconds after which it gives up
   double tolerance_m = 0.5;    ///< epsilon: edge lengths and landmark positions agree within it
   std::uint32_t depth = 2;     ///< edges join landmarks up to this many mesh steps apart
   double order_share = 0.125;  ///< share of the vertex order that is searched for triangles
@@ -52,19 +61,16 @@ struct AssociationConfig {
 
 /// When an associated pose is believed.
 enum class AcceptanceRule : std::uint8_t {
-  Computed,  ///< expected false alarms below a risk, a margin over the best pose elsewhere, and precise
-             ///< enough to be right
+  Evidence,  ///< by the evidence for and against it (core/decision)
   Paper,     ///< the largest W wins; overlap is assumed
 };
 
 struct AcceptanceConfig {
-  AcceptanceRule rule = AcceptanceRule::Computed;
-  double false_alarm_risk = 1e-4;  ///< expected number of chance poses as good as the answer, per scan
-  double ambiguity_risk =
-      1e-2;  ///< chance that a rival pose elsewhere is the true one, given both are significant
-  double elsewhere_m =
-      1.0;  ///< a pose farther than this from the answer is elsewhere: one of the two is wrong
-  double elsewhere_rad = 2.0 * kDegree;  ///< so is a pose turned by more than this
+  AcceptanceRule rule = AcceptanceRule::Evidence;
+  double risk = 1e-6;          ///< expected wrong fixes per scan that are taken
+  double copy_size_m = 0.0;    ///< the largest thing that comes in copies; 0 = from the scan's density
+  double elsewhere_m = 1.0;    ///< a pose farther than this from the answer is elsewhere: one of the two is wrong
+  double elsewhere_rad = 2.0 * kDegree;  ///< a pose turned by more than this is elsewhere, too
 };
 
 /// How a matched landmark's place in the map follows what was seen.
@@ -73,7 +79,7 @@ enum class LandmarkUpdate : std::uint8_t {
   Mean,   ///< mean of its sightings, in the frame of the map
 };
 
-/// Hypotheses and positional error (DESIGN 2.4, 2.5).
+/// Hypotheses and positional error (DESIGN 2.5, 2.6; the paper's sections II-C and II-D).
 struct MappingConfig {
   std::uint32_t hypotheses_max = 3;  ///< Lambda_max
   LandmarkUpdate update = LandmarkUpdate::Paper;
@@ -89,6 +95,7 @@ struct Capacities {
   std::uint32_t map_landmarks = 10'000;   ///< landmarks of a hypothesis' map
   std::uint32_t map_edges = 120'000;      ///< edges of a map's graph (about 10 per landmark at depth 2)
   std::uint32_t path_poses = 10'000;      ///< poses of a hypothesis' path
+  std::uint32_t sightings = 100'000;      ///< landmarks in scans that the refinement keeps
 };
 
 /// Where the sensor sits on what carries it: T_B_L, sensor frame L to body frame B. Fixes and maps are the

@@ -29,25 +29,31 @@ enum class FixReason : std::uint8_t {
   Deadline,         ///< the search was cut before anything believable was found
   Stale,            ///< no scan came in time
   Device,           ///< the sensor head is not working
-  Moved,            ///< the carrier moved since or during the scan: where it was is no more where it is
+  Moved,            ///< the carrier moved since or during the scan, so that the pose does not hold
   Timing,           ///< a device's timing is in doubt: what was measured when is not known well enough
+  Copy,             ///< a copy of this place that was never mapped would explain it about as well
+  LocalMap,         ///< known in a local map whose place in the home map is not known yet
 };
 
 /// How the search for the pose ended.
 enum class SearchEnd : std::uint8_t { NotStarted, Complete, Share, Deadline };
 
-/// The one answer that all outputs are written from (DESIGN 3). The pose is the sensor in the map frame W;
-/// it, the covariance and `error_xi` mean something only when `status` is Fix, or Ambiguous for the better of
-/// the two poses.
+/// The one answer that all outputs are written from (DESIGN 3). The pose is that of the body B in the frame W of map
+/// number `map`. A fix is always one in the home map. Pose, covariances, `error_xi` and `map` mean something when `status`
+/// is Fix, when it is Ambiguous (the better of the poses), and when `reason` is LocalMap (the pose in the local map).
 struct Fix {
   ScanTime time;
   std::uint32_t scan = 0;  ///< number of scans processed before this one
   FixStatus status = FixStatus::NoFix;
   FixReason reason = FixReason::NoOverlap;
   SearchEnd search_end = SearchEnd::NotStarted;
+  std::uint32_t map = 0;   ///< number of the map, from 1 on; 0 when there is no pose
+  std::uint32_t home = 0;  ///< number of the home map; 0 while there is none
   Pose2 pose_W;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x m, y m, heading rad) in W, 1 sigma
                                                          ///< squared, drift since the origin included
+  Eigen::Matrix3d covariance_near = Eigen::Matrix3d::Zero();  ///< the same relative to the landmarks about it
+  double protection_radius_m = 0.0;  ///< the position's error exceeds it with at most the configured risk
   std::uint32_t error_xi = 0;                            ///< triangulations between the scan and the origin
   std::uint32_t matches = 0;
   std::uint32_t landmarks_seen = 0;

@@ -30,6 +30,10 @@ namespace slamsensor::core {
       return "no_overlap";
     case FixReason::Symmetric:
       return "symmetric";
+    case FixReason::Copy:
+      return "copy";
+    case FixReason::LocalMap:
+      return "local_map";
     case FixReason::Deadline:
       return "deadline";
     case FixReason::Stale:

@@ -1,11 +1,9 @@
 #pragma once
 
-#include "core/association/acceptance.hpp"
-#include "core/association/paper_search.hpp"
 #include "core/config.hpp"
 #include "core/deadline.hpp"
 #include "core/fix.hpp"
-#include "core/mapping/landmark_map.hpp"
+#include "core/mapping/atlas.hpp"
 #include "core/memory/arena.hpp"
 
 #include <span>
@@ -16,22 +14,21 @@ namespace slamsensor::core {
 /// allocation after construction.
 class Localizer {
  public:
-  Localizer(Arena& arena, const Config& config) noexcept;
+  Localizer(Arena& arena, const Config& config) noexcept : atlas_(arena, config) {}
 
   /// Makes `map_W` (m) the map. False, and the map is empty, when it exceeds capacities.map_landmarks or
   /// holds a point that is not finite or out of reach.
   [[nodiscard]] bool set_map(std::span<const Point2> map_W) noexcept;
 
-  /// The fix of a scan (m, L; at most capacities.scan_landmarks, the rest is not looked at). `pose_W`,
-  /// `matches` and the covariance are those of the best candidate, whatever the status.
-  [[nodiscard]] Fix locate(std::span<const Point2> scan_L, const Deadline& deadline) noexcept;
+  /// The fix of a scan (heaviest landmarks first). `pose_W`, `matches` and the covariance are those of the best
+  /// candidate, whatever the status.
+  [[nodiscard]] Fix locate(std::span<const ScanLandmark> landmarks, const ScanView& view,
+                           const Deadline& deadline) noexcept {
+    return atlas_.process(landmarks, view, deadline);
+  }
 
  private:
-  Config config_;
-  LandmarkMap map_;
-  Delaunay delaunay_;
-  PaperSearch search_;
-  Candidates found_;
+  Atlas atlas_;
 };
 
 }  // namespace slamsensor::core

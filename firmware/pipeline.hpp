@@ -25,10 +25,10 @@ class Pipeline {
     return slam_->finish_scan(time, deadline);
   }
 
-  /// Localises one scan from landmarks that were found elsewhere, heaviest first.
-  [[nodiscard]] core::Fix process_landmarks(std::span<const core::ScanLandmark> landmarks,
+  /// Localises one scan from landmarks that were found elsewhere, heaviest first, and seen in `view`.
+  [[nodiscard]] core::Fix process_landmarks(std::span<const core::ScanLandmark> landmarks, const core::ScanView& view,
                                             const core::ScanTime& time, const core::Deadline& deadline) {
-    return slam_->process(landmarks, time, deadline);
+    return slam_->process(landmarks, view, time, deadline);
   }
 
   [[nodiscard]] core::Slam& slam() { return *slam_.operator->(); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/association/landmark_index.hpp"
 #include "core/association/rigid_fit.hpp"
 #include "core/fix.hpp"
 #include "core/limits.hpp"
@@ -15,10 +16,12 @@ using MatchList = FixedVector<Match, kScanLandmarksMax>;
 
 /// A pose from which the scan explains part of the map.
 struct Candidate {
+  MapSlot map = 0;                          ///< the map that it lies in
   Pose2 pose_W;                             ///< refined by least squares over `matches`
   MatchList matches;                        ///< one to one, by increasing scan landmark
   std::array<std::uint32_t, 3> triangle{};  ///< the map landmarks that triangulated it first
   double residual_m2 = 0.0;                 ///< sum of squared distances over `matches`
+  double score = 0.0;        ///< of the fast search: log likelihood of its matches against chance
   double log10_chance = 0.0;  ///< bound on the chance that a wrong pose does as well (significance.hpp)
 
   /// More matches are better; among equals the smaller residual (the paper).

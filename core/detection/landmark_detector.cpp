@@ -1,21 +1,51 @@
 #include "core/detection/landmark_detector.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace slamsensor::core {
 
 LandmarkDetector::LandmarkDetector(Arena& arena, const DetectionConfig& config,
                                    const Capacities& capacities) noexcept
     : point_(config.point),
+      range_max_m_(config.range_max_m),
       scanline_(arena, config),
       web_(arena, config, capacities.occupied_cells),
       hull_(arena, web_.grid()),
       heaviest_(arena, "detected groups", config.landmarks_max),
-      landmarks_(arena.take<ScanLandmark>("detected landmarks", config.landmarks_max)) {
+      landmarks_(arena.take<ScanLandmark>("detected landmarks", config.landmarks_max)),
+      farthest_(arena, "view: farthest cells", web_.grid().columns()),
+      free_m_(arena, "view: free ranges", web_.grid().columns()) {
+  SLAMSENSOR_ASSERT(free_m_.try_resize(free_m_.capacity()) && farthest_.try_resize(farthest_.capacity()));
 }
 
 void LandmarkDetector::add_scanline(std::span<const Reading> scanline) noexcept {
   for (const Sighting& sighting : scanline_.sightings(scanline)) {
     web_.add(sighting);
   }
+  if (!scanline_.left_out()) {
+    look_far();
+  }
+}
+
+void LandmarkDetector::look_far() noexcept {
+  const std::span<const std::int32_t> row = scanline_.row();
+  for (std::size_t column = 0; column < row.size(); ++column) {
+    std::array<std::int32_t, kFarthest>& cells = farthest_[column].cells;
+    std::int32_t cell = row[column];
+    for (std::size_t i = 0; i < kFarthest && cell != kEmptyColumn; ++i) {
+      if (cell > cells[i]) {
+        std::swap(cell, cells[i]);
+      }
+    }
+  }
+}
+
+ScanView LandmarkDetector::view() const noexcept {
+  ScanView view;
+  view.free_m = free_m_.span();
+  view.range_m = range_max_m_;
+  return view;
 }
 
 std::span<const ScanLandmark> LandmarkDetector::finish() noexcept {
@@ -23,6 +53,14 @@ std::span<const ScanLandmark> LandmarkDetector::finish() noexcept {
   for (std::size_t i = 0; i < heaviest_.size(); ++i) {
     landmarks_[i].position_L = point_L(heaviest_[i]);
     landmarks_[i].weight = heaviest_[i].weight();
+  }
+  for (std::size_t column = 0; column < farthest_.size(); ++column) {
+    const auto& cells = farthest_[column].cells;
+    const auto least = std::find_if(cells.rbegin(), cells.rend(), [](std::int32_t cell) { return cell != kEmptyColumn; });
+    free_m_[column] = least == cells.rend()          ? ScanView::kUnknown
+                      : *least == kInfiniteColumn    ? static_cast<float>(range_max_m_)
+                                                     : static_cast<float>(web_.grid().radius_m(static_cast<std::uint32_t>(*least)));
+    farthest_[column] = Farthest{};
   }
   return {landmarks_, heaviest_.size()};
 }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include "core/config.hpp"
+#include "core/decision/scan_view.hpp"
 #include "core/detection/cell_hull.hpp"
+#include "core/detection/clusters.hpp"
 #include "core/detection/scanline.hpp"
 #include "core/detection/spiderweb.hpp"
 #include "core/landmark.hpp"
@@ -9,6 +11,7 @@
 #include "core/memory/bounded_vector.hpp"
 #include "core/reading.hpp"
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -31,20 +34,36 @@ class LandmarkDetector {
   /// Spiderweb says. Valid until the next call.
   [[nodiscard]] std::span<const ScanLandmark> finish() noexcept;
 
+  /// What the scan of the last finish() saw beside its landmarks: per column of the spiderweb the range up to which at
+  /// least three scanlines (or all, if fewer looked) saw that nothing stands. A trunk stops all scanlines at its range, a
+  /// bush or the ground only the low ones. Valid until the next add_scanline().
+  [[nodiscard]] ScanView view() const noexcept;
+
   /// Sightings that found the list of occupied cells full, since construction.
   [[nodiscard]] std::uint64_t cells_dropped() const noexcept { return web_.cells_dropped(); }
   /// Readings that were NaN, infinite or otherwise impossible, since construction.
   [[nodiscard]] std::uint64_t readings_refused() const noexcept { return scanline_.readings_refused(); }
 
  private:
+  static constexpr std::size_t kFarthest = 3;
+
+  /// The farthest that scanlines saw in a column, in cells, the farthest first; kEmptyColumn where none looked.
+  struct Farthest {
+    std::array<std::int32_t, kFarthest> cells{kEmptyColumn, kEmptyColumn, kEmptyColumn};
+  };
+
   [[nodiscard]] Point2 point_L(const CellGroup& group) noexcept;
+  void look_far() noexcept;
 
   LandmarkPoint point_;
+  double range_max_m_;
   ScanlineGrid scanline_;
   Spiderweb web_;
   CellHull hull_;
   BoundedVector<CellGroup> heaviest_;
   ScanLandmark* landmarks_;  // per element of heaviest_
+  BoundedVector<Farthest> farthest_;  // per column
+  BoundedVector<float> free_m_;       // per column
 };
 
 }  // namespace slamsensor::core

@@ -82,8 +82,9 @@ std::span<const Sighting> ScanlineGrid::sightings(std::span<const Reading> scanl
   sightings_.clear();
   const std::span<const Reading> readings = without_ends(scanline, config_.discard_share);
   const double tilt_rad = mean_tilt_rad(readings);
-  if (!(tilt_rad >= config_.tilt_min_rad - kSameAngle_rad &&
-        tilt_rad <= config_.tilt_max_rad + kSameAngle_rad)) {
+  left_out_ = !(tilt_rad >= config_.tilt_min_rad - kSameAngle_rad &&
+        tilt_rad <= config_.tilt_max_rad + kSameAngle_rad);
+  if (left_out_) {
     return {};
   }
   fold(readings);

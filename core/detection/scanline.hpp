@@ -43,6 +43,9 @@ class ScanlineGrid {
   /// kInfiniteColumn.
   [[nodiscard]] std::span<const std::int32_t> row() const noexcept { return {d_cells_, grid_.columns()}; }
 
+  /// Whether the last scanline was left out: outside the tilts that are looked at, or too short.
+  [[nodiscard]] bool left_out() const noexcept { return left_out_; }
+
   /// Readings refused since construction.
   [[nodiscard]] std::uint64_t readings_refused() const noexcept { return readings_refused_; }
 
@@ -63,6 +66,7 @@ class ScanlineGrid {
   std::uint32_t* unobstructed_;
   BoundedVector<Sighting> sightings_;
   std::uint64_t readings_refused_ = 0;
+  bool left_out_ = true;
 };
 
 }  // namespace slamsensor::core

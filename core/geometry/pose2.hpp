@@ -51,6 +51,25 @@ class RigidMotion {
   explicit RigidMotion(const Pose2& pose) noexcept
       : t_(pose.translation()), c_(std::cos(pose.heading_rad)), s_(std::sin(pose.heading_rad)) {}
 
+
+  /// The motion that takes `from` to `to` and turns by the angle whose cosine and sine are to each other as `dot` to
+  /// `turned`; no turn when both are zero.
+  [[nodiscard]] static RigidMotion from_direction(const Point2& from, const Point2& to, double dot,
+                                                  double turned) noexcept {
+    RigidMotion move{Pose2{}};
+    const double length = std::sqrt(dot * dot + turned * turned);
+    if (length > 0.0) {
+      move.c_ = dot / length;
+      move.s_ = turned / length;
+    }
+    move.t_ = Point2(to.x() - move.c_ * from.x() + move.s_ * from.y(), to.y() - move.s_ * from.x() - move.c_ * from.y());
+    return move;
+  }
+
+  [[nodiscard]] double cosine() const noexcept { return c_; }
+  [[nodiscard]] double sine() const noexcept { return s_; }
+  [[nodiscard]] Pose2 pose() const noexcept { return {t_.x(), t_.y(), std::atan2(s_, c_)}; }
+
   [[nodiscard]] Point2 operator()(const Point2& p) const noexcept {
     return {t_.x() + c_ * p.x() - s_ * p.y(), t_.y() + s_ * p.x() + c_ * p.y()};
   }

@@ -1,17 +1,24 @@
 #include "core/mapping/hypothesis_set.hpp"
 
-#include "core/association/associate.hpp"
+#include "core/association/rigid_fit.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace slamsensor::core {
+namespace {
+
+// Matches within the tolerance are expected to have this spread, as a share of it, before any residual is seen.
+constexpr double kStartSigmaShare = 1.0 / 3.0;
+
+}  // namespace
 
 HypothesisSet::HypothesisSet(Arena& arena, const Config& config) noexcept
     : config_(config),
       search_(arena, config.association, config.capacities),
       builder_(arena, config),
       scan_B_(arena, "scan: landmarks", config.capacities.scan_landmarks),
-      litters_(arena, "hypotheses: candidates", config.mapping.hypotheses_max) {
+      found_(arena, "hypotheses: candidates", config.mapping.hypotheses_max) {
   for (std::uint32_t i = 0; i < config.mapping.hypotheses_max; ++i) {
     pool_[i].emplace(arena, config.capacities);
   }
@@ -92,6 +99,7 @@ void HypothesisSet::start(Fix& fix) noexcept {
   ++revision_;
   fix.status = FixStatus::Fix;
   fix.reason = FixReason::None;
+  fix.map = fix.home = 1;
   fix.search_end = SearchEnd::Complete;
 }
 
@@ -107,19 +115,20 @@ void HypothesisSet::localise(const Deadline& deadline, Fix& fix) noexcept {
 }
 
 void HypothesisSet::associate_first(std::size_t hypotheses, const Deadline& deadline) noexcept {
-  SLAMSENSOR_ASSERT(litters_.try_resize(hypotheses));
+  SLAMSENSOR_ASSERT(found_.try_resize(hypotheses));
   for (std::size_t h = 0; h < hypotheses; ++h) {
-    Litter& litter = litters_[h];
-    litter.verdict =
-        associate(scan_B_.span(), pool_[kept_[h]]->map.view(), config_, deadline, search_, litter.found);
-    counters_.neighbours_dropped += litter.found.neighbours_dropped;
-    counters_.searches_cut += litter.found.end == SearchEnd::Deadline ? 1 : 0;
+    const MapView map = pool_[kept_[h]]->map.view();
+    search_.search(scan_B_.span(), map, config_.mapping.hypotheses_max, deadline, found_[h]);
+    if (found_[h].list.empty() && found_[h].end == SearchEnd::Share && config_.association.exhaust_when_unsure) {
+      search_.search_rest(deadline, found_[h]);
+    }
+    counters_.neighbours_dropped += found_[h].neighbours_dropped;
+    counters_.searches_cut += found_[h].end == SearchEnd::Deadline ? 1 : 0;
   }
 }
 
-/// The next generation of the parents that were associated, best W first. A parent whose scan is not believed
-/// goes on as it is; one whose scan is believed goes on only in its offspring: its candidates at the believed
-/// place (computed rule) or all of them (the paper's).
+/// The next generation of the parents that were associated, best W first. A parent in which the scan was not found
+/// goes on as it is; one in which it was found goes on only in its offspring, one for each candidate.
 HypothesisSet::Generation HypothesisSet::spawn() const noexcept {
   Generation generation;
   const auto insert = [&](const Offspring& offspring) {
@@ -136,45 +145,49 @@ HypothesisSet::Generation HypothesisSet::spawn() const noexcept {
     }
     generation[place] = offspring;
   };
-  for (std::uint32_t h = 0; h < litters_.size(); ++h) {
+  for (std::uint32_t h = 0; h < found_.size(); ++h) {
     const std::uint64_t weight = pool_[kept_[h]]->weight;
-    const Litter& litter = litters_[h];
-    if (litter.verdict.status != FixStatus::Fix) {
+    const Candidates& found = found_[h];
+    if (found.list.empty()) {
       insert({h, -1, weight});
-      continue;
     }
-    for (std::size_t c = 0; c < litter.found.list.size(); ++c) {
-      const Candidate& candidate = litter.found.list[c];
-      if (config_.acceptance.rule == AcceptanceRule::Paper ||
-          !elsewhere(candidate.pose_W, litter.found.list[0].pose_W, config_.acceptance)) {
-        insert({h, static_cast<std::int32_t>(c), weight + candidate.matches.size()});
-      }
+    for (std::size_t c = 0; c < found.list.size(); ++c) {
+      insert({h, static_cast<std::int32_t>(c), weight + found.list[c].matches.size()});
     }
   }
   return generation;
 }
 
 void HypothesisSet::report(const Offspring& best, Fix& fix) noexcept {
-  const Litter& litter = litters_[best.parent];
+  const Candidates& found = found_[best.parent];
   const LandmarkMap& map = pool_[kept_[best.parent]]->map;
-  const std::size_t chosen = best.candidate < 0 ? 0 : static_cast<std::size_t>(best.candidate);
-  describe(litter.verdict, litter.found, chosen, scan_B_.span(), map.view(), config_, fix);
-  if (litter.found.list.empty()) {
+  fix.search_end = found.end;
+  if (best.candidate < 0) {
+    fix.reason = found.end == SearchEnd::Deadline ? FixReason::Deadline : FixReason::NoOverlap;
     return;
   }
-  const Candidate& candidate = litter.found.list[chosen];
+  const Candidate& candidate = found.list[static_cast<std::size_t>(best.candidate)];
+  fix.status = FixStatus::Fix;
+  fix.reason = FixReason::None;
+  fix.map = fix.home = 1;
+  fix.pose_W = candidate.pose_W;
+  fix.matches = static_cast<std::uint32_t>(candidate.matches.size());
+  fix.expected_false_alarms =
+      static_cast<double>(std::max<std::uint64_t>(found.poses_tried, 1)) * std::pow(10.0, candidate.log10_chance);
   fix.error_xi = PositionalError::of_scan(map, candidate.triangle);
+  fix.covariance_near = pose_covariance(candidate.pose_W, candidate.matches.span(), scan_B_.span(), map.positions_W(),
+                                        kStartSigmaShare * config_.association.tolerance_m);
   // The residuals tell how well the scan fits the map about it. Between there and the origin stand xi
   // triangulations of the same kind; a heading error of one displaces all that follow, so their errors add up
   // rather than average out.
   const double chain = 1.0 + fix.error_xi;
-  fix.covariance *= chain * chain;
+  fix.covariance = fix.covariance_near * (chain * chain);
 }
 
 void HypothesisSet::extend(std::uint32_t slot, const Offspring& offspring) noexcept {
   if (offspring.candidate >= 0) {
     const Candidate& candidate =
-        litters_[offspring.parent].found.list[static_cast<std::size_t>(offspring.candidate)];
+        found_[offspring.parent].list[static_cast<std::size_t>(offspring.candidate)];
     builder_.extend(scan_B_.span(), candidate, scans_ - 1, *pool_[slot]);
   }
 }

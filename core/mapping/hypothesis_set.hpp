@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/association/acceptance.hpp"
+#include "core/association/candidate.hpp"
 #include "core/association/paper_search.hpp"
 #include "core/config.hpp"
 #include "core/deadline.hpp"
@@ -20,23 +20,9 @@
 
 namespace slamsensor::core {
 
-/// Events of the fixed memory and of the search, counted since construction.
-struct Counters {
-  std::uint64_t landmarks_cut = 0;       ///< scan landmarks beyond capacities.scan_landmarks, lightest first
-  std::uint64_t landmarks_refused = 0;   ///< scan landmarks that were not finite or out of reach
-  std::uint64_t neighbours_dropped = 0;  ///< correspondence neighbours beyond kVertexNeighboursMax
-  std::uint64_t searches_cut = 0;        ///< by the deadline
-};
-
-/// Whether scans may change the map.
-enum class Frozen : std::uint8_t {
-  No,
-  Yes,  ///< localise only, in the best hypothesis: nothing that it remembers changes
-};
-
-/// The kept hypotheses (DESIGN 2.4). On a scan each spawns its candidates; all are ranked by W; the best
-/// Lambda_max survive; the best of them is the solution. A scan that is not believed changes no map. One
-/// thread; no allocation after construction.
+/// The paper's multi-hypothesis rule, literally (II-D): on a scan each hypothesis spawns its candidates; all are ranked
+/// by W, the accumulated match count; the best Lambda_max survive; the best of them is the solution. Overlap is
+/// assumed. One thread; no allocation after construction.
 class HypothesisSet {
  public:
   HypothesisSet(Arena& arena, const Config& config) noexcept;
@@ -81,11 +67,6 @@ class HypothesisSet {
     std::int32_t candidate = -1;
     std::uint64_t weight = 0;
   };
-  /// Candidates of one parent that may become offspring.
-  struct Litter {
-    Verdict verdict;
-    Candidates found;
-  };
   using Generation = FixedVector<Offspring, kHypothesesMax>;
 
   void take_landmarks(std::span<const ScanLandmark> landmarks) noexcept;
@@ -103,7 +84,7 @@ class HypothesisSet {
   std::array<std::optional<Hypothesis>, kHypothesesMax> pool_;  // the first hypotheses_max exist
   FixedVector<std::uint32_t, kHypothesesMax> kept_;             // slots of pool_, best W first
   BoundedVector<Point2> scan_B_;   // in the body frame: what core localises is the body
-  BoundedVector<Litter> litters_;  // per place in kept_
+  BoundedVector<Candidates> found_;  // per place in kept_
   Counters counters_;
   Frozen frozen_ = Frozen::No;
   std::uint64_t revision_ = 0;

@@ -9,6 +9,20 @@
 
 namespace slamsensor::core {
 
+/// Events of the fixed memory and of the search, counted since construction.
+struct Counters {
+  std::uint64_t landmarks_cut = 0;       ///< scan landmarks beyond capacities.scan_landmarks, lightest first
+  std::uint64_t landmarks_refused = 0;   ///< scan landmarks that were not finite or out of reach
+  std::uint64_t neighbours_dropped = 0;  ///< correspondence neighbours beyond kVertexNeighboursMax
+  std::uint64_t searches_cut = 0;        ///< by the deadline
+};
+
+/// Whether scans may change the map.
+enum class Frozen : std::uint8_t {
+  No,
+  Yes,  ///< localise only, in the best hypothesis: nothing that it remembers changes
+};
+
 /// All of a hypothesis that cannot be computed again: what a map file keeps and what a restart needs. The
 /// arrays belong to someone else; `landmarks[i]` stands at `positions_W[i]` (m).
 struct MapState {
@@ -20,6 +34,13 @@ struct MapState {
   std::uint64_t path_thinnings = 0;     ///< as in Hypothesis
   std::uint32_t next_id = 0;            ///< of the next new landmark
   std::uint32_t scans = 0;              ///< processed so far; the number of the next one
+};
+
+/// Where a map is copied to.
+struct MapRoom {
+  std::span<MapLandmark> landmarks;
+  std::span<Point2> positions_W;
+  std::span<PathPose> path;
 };
 
 /// What keeps a MapState from being a hypothesis.

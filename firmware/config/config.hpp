@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/config.hpp"
+#include "core/decision/scan_view.hpp"
 #include "firmware/config/daemon_config.hpp"
 #include "firmware/device/head_config.hpp"
 #include "firmware/scan/scan_config.hpp"
@@ -29,6 +30,11 @@ struct LandmarkListConfig {
   LandmarkOrder order = LandmarkOrder::Weight;
   double weight_min = 0.0;  ///< lighter rows are left out
   double diameter_min_m = 0.0;
+  double field_of_view_rad = 0.0;  ///< of the sensor that saw them, centred on its forward axis; 0 = not known
+  double range_m = 0.0;            ///< up to which it sees landmarks; 0 = not known
+
+  /// What a scan of such a list has seen beside its landmarks.
+  [[nodiscard]] core::ScanView view() const noexcept { return {{}, field_of_view_rad, range_m}; }
 };
 
 /// Ties the map frame to the earth (DESIGN 4). Its four keys are given together or not at all.

@@ -70,7 +70,7 @@ void SlamLoop::carry_out(const SlamOrder& order) noexcept {
   }
   post_map();
   post_status();
-  orders_.done({check, pipeline_.slam().hypotheses().revision(), status_.scans});
+  orders_.done({check, pipeline_.slam().revision(), status_.scans});
 }
 
 void SlamLoop::take(const ScanItem& message, const SlamClock& clock) noexcept {
@@ -144,25 +144,27 @@ void SlamLoop::send(const core::Fix& fix, hal::Stamp now) noexcept {
 }
 
 void SlamLoop::post_map() noexcept {
-  const core::HypothesisSet& hypotheses = pipeline_.slam().hypotheses();
-  if (hypotheses.revision() == revision_posted_) {
+  const core::Slam& slam = pipeline_.slam();
+  if (slam.revision() == revision_posted_) {
     return;
   }
-  revision_posted_ = hypotheses.revision();
-  if (outlets_.map.draft().take(hypotheses)) {
-    outlets_.map.post();
-  }
+  revision_posted_ = slam.revision();
+  outlets_.map.draft().take(slam);
+  outlets_.map.post();
 }
 
 void SlamLoop::post_status() noexcept {
-  const core::HypothesisSet& hypotheses = pipeline_.slam().hypotheses();
-  status_.landmarks = static_cast<std::uint32_t>(hypotheses.state().landmarks.size());
-  status_.hypotheses = static_cast<std::uint32_t>(hypotheses.size());
-  status_.map_revision = hypotheses.revision();
-  status_.frozen = hypotheses.frozen() == core::Frozen::Yes;
+  const core::Slam& slam = pipeline_.slam();
+  const core::MapsSummary maps = slam.maps();
+  status_.landmarks = maps.home_landmarks;
+  status_.hypotheses = maps.hypotheses;
+  status_.local_maps = maps.local_maps;
+  status_.local_landmarks = maps.local_landmarks;
+  status_.map_revision = slam.revision();
+  status_.frozen = slam.frozen() == core::Frozen::Yes;
   status_.counters.size = 0;
   status_.counters.append(counters_.all());
-  const core::Counters& events = hypotheses.counters();
+  const core::Counters& events = slam.counters();
   const std::array<hal::Counter, 6> more = {
       {{"landmarks_cut", events.landmarks_cut},
        {"landmarks_refused", events.landmarks_refused},

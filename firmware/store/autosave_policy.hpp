@@ -12,7 +12,7 @@ class AutosavePolicy {
   /// `period` between two saves; 0: none is ever due. `now` is the start.
   AutosavePolicy(hal::Stamp period, hal::Stamp now) noexcept : period_(period), next_(now + period) {}
 
-  /// What stands in the store is `revision` (HypothesisSet::revision): it was loaded, or saved by whomever.
+  /// What stands in the store is `revision` (Slam::revision): it was loaded, or saved by whomever.
   void saved(std::uint64_t revision, hal::Stamp now) noexcept;
 
   /// A save was tried and failed: the next is due after twice the time of the last, at first after the period

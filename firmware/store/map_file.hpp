@@ -42,7 +42,7 @@ struct MapFile {
   std::vector<core::PathPose> path;
   core::MapState numbers;  ///< its spans are empty
 
-  /// For HypothesisSet::restore; valid as long as this object lives unchanged.
+  /// For Slam::restore; valid as long as this object lives unchanged.
   [[nodiscard]] core::MapState state() const;
 };
 

@@ -1,6 +1,5 @@
 #include "firmware/store/map_snapshot.hpp"
 
-#include <algorithm>
 #include <span>
 
 namespace slamsensor::firmware {
@@ -11,20 +10,15 @@ MapSnapshot::MapSnapshot(const core::Capacities& capacities)
       path_(capacities.path_poses) {
 }
 
-bool MapSnapshot::take(const core::HypothesisSet& hypotheses) noexcept {
-  const core::MapState state = hypotheses.state();
-  revision_ = hypotheses.revision();
-  const bool fits = state.landmarks.size() <= landmarks_.size() && state.path.size() <= path_.size();
-  landmark_count_ = fits ? state.landmarks.size() : 0;
-  pose_count_ = fits ? state.path.size() : 0;
-  std::copy_n(state.landmarks.begin(), landmark_count_, landmarks_.begin());
-  std::copy_n(state.positions_W.begin(), landmark_count_, positions_W_.begin());
-  std::copy_n(state.path.begin(), pose_count_, path_.begin());
-  numbers_ = fits ? state : core::MapState{};
+void MapSnapshot::take(const core::Slam& slam) noexcept {
+  const core::MapState state = slam.copy_map({landmarks_, positions_W_, path_});
+  revision_ = slam.revision();
+  landmark_count_ = state.landmarks.size();
+  pose_count_ = state.path.size();
+  numbers_ = state;
   numbers_.landmarks = {};
   numbers_.positions_W = {};
   numbers_.path = {};
-  return fits;
 }
 
 core::MapState MapSnapshot::state() const noexcept {

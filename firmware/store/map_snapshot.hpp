@@ -9,22 +9,21 @@
 
 namespace slamsensor::firmware {
 
-/// A copy of the best hypothesis as it stood at one moment, to be handed from the SLAM thread to those that
+/// A copy of the home map as it stood at one moment, to be handed from the SLAM thread to those that
 /// save, send or draw it (Mailbox<MapSnapshot>). Its memory is taken and written to at construction.
 class MapSnapshot {
  public:
   MapSnapshot() = default;
   explicit MapSnapshot(const core::Capacities& capacities);
 
-  /// Holds what `hypotheses` now holds as its best; empty when that has no map. Copies and does nothing else:
-  /// no allocation. False, and empty, when it does not fit, which cannot be with the same capacities.
-  [[nodiscard]] bool take(const core::HypothesisSet& hypotheses) noexcept;
+  /// Holds what `slam` now holds as its home map; empty when there is none. No allocation.
+  void take(const core::Slam& slam) noexcept;
 
   /// Views of this object; without landmarks when it is empty.
   [[nodiscard]] core::MapState state() const noexcept;
 
   [[nodiscard]] bool empty() const noexcept { return landmark_count_ == 0; }
-  /// HypothesisSet::revision() at that moment.
+  /// Slam::revision() at that moment.
   [[nodiscard]] std::uint64_t revision() const noexcept { return revision_; }
 
  private:

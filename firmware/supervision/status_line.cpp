@@ -28,6 +28,10 @@ std::string_view meaning(core::FixReason reason) {
       return "the carrier moved";
     case core::FixReason::Timing:
       return "the timing of a device is in doubt";
+    case core::FixReason::Copy:
+      return "a copy of this place that is not in the map would look the same";
+    case core::FixReason::LocalMap:
+      return "known in a local map, whose place in the home map is not known yet";
     case core::FixReason::None:
       break;
   }

@@ -1,6 +1,7 @@
 #include "core/fix_names.hpp"
 #include "core/localizer.hpp"
 #include "firmware/arena_block.hpp"
+#include "hal/stamp.hpp"
 #include "tools/commands/command.hpp"
 #include "tools/commands/config_options.hpp"
 #include "tools/commands/progress_bar.hpp"
@@ -26,7 +27,8 @@ struct Options {
   std::filesystem::path map;
   std::filesystem::path scans;
   std::filesystem::path out;
-  std::string search = "paper";
+  std::string search;
+  bool no_deadline = false;
 };
 
 struct Query {
@@ -42,7 +44,17 @@ core::Config with_room_for(core::Config config, std::size_t landmarks) {
       static_cast<double>(config.capacities.map_edges) / config.capacities.map_landmarks;
   config.capacities.map_landmarks = count;
   config.capacities.map_edges = static_cast<std::uint32_t>(edges_each * count) + 64;
+  config.capacities.path_poses = 1;  // nothing is mapped
+  config.capacities.sightings = config.capacities.scan_landmarks;
   return config;
+}
+
+std::chrono::nanoseconds steady_now(void*) noexcept {
+  return std::chrono::steady_clock::now().time_since_epoch();
+}
+
+core::Deadline deadline_from(std::chrono::steady_clock::time_point begin, const firmware::Config& config) {
+  return {steady_now, nullptr, begin.time_since_epoch() + hal::from_seconds(config.daemon.realtime.slam_deadline_s)};
 }
 
 std::string poses_csv(const std::vector<Query>& queries) {
@@ -70,9 +82,11 @@ std::string poses_csv(const std::vector<Query>& queries) {
 void print_summary(const std::vector<Query>& queries, std::size_t map_landmarks) {
   std::vector<double> times;
   std::array<std::size_t, 3> by_status{};
+  std::size_t cut = 0;
   for (const Query& q : queries) {
     times.push_back(q.milliseconds);
     ++by_status[static_cast<std::size_t>(q.fix.status)];
+    cut += q.fix.search_end == core::SearchEnd::Deadline ? 1 : 0;
   }
   std::sort(times.begin(), times.end());
   const auto at = [&](double share) {
@@ -82,6 +96,9 @@ void print_summary(const std::vector<Query>& queries, std::size_t map_landmarks)
   std::printf("map        %zu landmarks\nqueries    %zu: %zu fixes, %zu ambiguous, %zu no fix\n",
               map_landmarks, queries.size(), by_status[2], by_status[1], by_status[0]);
   std::printf("time       median %.3f ms, 99 %% %.3f ms, worst %.3f ms\n", at(0.5), at(0.99), at(1.0));
+  if (cut > 0) {
+    std::printf("cut        %zu searches by the deadline (realtime.slam_deadline_s; --no-deadline)\n", cut);
+  }
 }
 
 /// Names what was not read; whether a scan may be among it.
@@ -110,7 +127,11 @@ CommandResult run(const Options& options) {
   std::vector<core::Point2> map_W;
   std::transform(map->begin(), map->end(), std::back_inserter(map_W),
                  [](const MapPoint& p) { return p.position_W; });
-  firmware::ArenaBlock<core::Localizer> localizer(with_room_for(loaded->config.core, map_W.size()));
+  core::Config config = with_room_for(loaded->config.core, map_W.size());
+  if (!options.search.empty()) {
+    config.association.search = options.search == "paper" ? core::SearchMethod::Paper : core::SearchMethod::Fast;
+  }
+  firmware::ArenaBlock<core::Localizer> localizer(config);
   if (!localizer->set_map(map_W)) {
     return tl::unexpected(CommandError{options.map.string() + ": a landmark is out of reach\n", EX_DATAERR});
   }
@@ -128,12 +149,9 @@ CommandResult run(const Options& options) {
     if (!*scan) {
       break;
     }
-    std::vector<core::Point2> scan_L;
-    for (const core::ScanLandmark& l : (*scan)->landmarks) {
-      scan_L.push_back(l.position_L);
-    }
     const auto begin = std::chrono::steady_clock::now();
-    const core::Fix fix = localizer->locate(scan_L, {});
+    const core::Fix fix = localizer->locate((*scan)->landmarks, loaded->config.landmark_list.view(),
+                                           options.no_deadline ? core::Deadline{} : deadline_from(begin, loaded->config));
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
     queries.push_back({(*scan)->number, fix, took.count()});
     bar.update(queries.size(), (*source)->count());
@@ -157,9 +175,9 @@ void add_locate(CLI::App& app, CommandResult& result) {
       ->required()
       ->type_name("scans.csv");
   verb->add_option("--out", options->out, "the poses, a line per scan")->required()->type_name("poses.csv");
-  verb->add_option("--search", options->search, "how to search")
-      ->check(CLI::IsMember({"paper"}))
-      ->capture_default_str();
+  verb->add_option("--search", options->search, "how to search, instead of association.search")
+      ->check(CLI::IsMember({"fast", "paper"}));
+  verb->add_flag("--no-deadline", options->no_deadline, "let no search be cut: the same input gives the same poses");
   verb->callback([options, &result] { result = run(*options); });
 }
 

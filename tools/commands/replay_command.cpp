@@ -111,7 +111,9 @@ tl::expected<Replay, CommandError> make_replay(const Options& options,
                                                const firmware::Config& config) {
   ProgressBar bar("replay");
   const auto progress = [&](std::size_t done, std::size_t total, const FixRow&) { bar.update(done, total); };
-  return recordings.empty() ? replay(options.inputs, config, progress).map_error(bad_input)
+  return recordings.empty() ? replay(options.inputs, config, progress,
+                                    options.no_times ? ReplayClock::Off : ReplayClock::On)
+                                 .map_error(bad_input)
                             : replay_all(recordings, options, progress);
 }
 

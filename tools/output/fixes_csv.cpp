@@ -3,7 +3,9 @@
 #include "core/fix_names.hpp"
 #include "tools/output/number_text.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace slamsensor::tools {
 namespace {
@@ -13,7 +15,7 @@ constexpr int kRadianDecimals = 9;
 constexpr std::string_view kHeading =
     "scan,status,reason,search_end,x_m,y_m,heading_rad,sigma_x_m,sigma_y_m,sigma_heading_rad,corr_x_y,"
     "corr_x_heading,corr_y_heading,error_xi,matches,landmarks_seen,landmarks_in_map,expected_false_alarms,"
-    "weight_best,weight_runner_up,jumps,t_s,milliseconds\n";
+    "weight_best,weight_runner_up,jumps,map,home,protection_radius_m,sigma_near_m,t_s,milliseconds\n";
 constexpr std::string_view kNoPose = ",,,,,,,,,,";
 
 void append_pose(std::string& out, const core::Pose2& pose) {
@@ -68,6 +70,20 @@ void append_counts(std::string& out, const core::Fix& fix) {
   }
 }
 
+/// The map that the pose lies in, the home map, and how far off the pose may be.
+void append_frame(std::string& out, const core::Fix& fix) {
+  out += ',';
+  append_integer(out, fix.map);
+  out += ',';
+  append_integer(out, fix.home);
+  out += ',';
+  if (fix.status != core::FixStatus::NoFix) append_fixed(out, fix.protection_radius_m, kMetreDecimals);
+  append_sigma(out, fix.status != core::FixStatus::NoFix
+                        ? std::max(fix.covariance_near(0, 0), fix.covariance_near(1, 1))
+                        : std::numeric_limits<double>::quiet_NaN(),
+               kMetreDecimals);
+}
+
 void append_row(std::string& out, const FixRow& row, MeasuredTimes times) {
   append_integer(out, row.scan);
   for (const std::string_view name :
@@ -82,6 +98,7 @@ void append_row(std::string& out, const FixRow& row, MeasuredTimes times) {
     append_uncertainty(out, row.fix);
   }
   append_counts(out, row.fix);
+  append_frame(out, row.fix);
   out += ',';
   append_shortest(out, row.t_s);
   out += ',';

@@ -25,8 +25,10 @@ void append_pose(std::string& out, const TimedPose& timed) {
 
 std::vector<TimedPose> trajectory_of(std::span<const FixRow> rows) {
   std::vector<TimedPose> poses;
+  // A frame that was given up for a better one cannot be compared with it.
+  const std::uint32_t home = rows.empty() ? 0 : rows.back().fix.home;
   for (const FixRow& row : rows) {
-    if (row.fix.status == core::FixStatus::Fix) poses.push_back({row.t_s, row.fix.pose_W});
+    if (row.fix.status == core::FixStatus::Fix && row.fix.home == home) poses.push_back({row.t_s, row.fix.pose_W});
   }
   return poses;
 }

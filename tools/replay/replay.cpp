@@ -10,10 +10,11 @@
 namespace slamsensor::tools {
 namespace {
 
-core::Fix localise(const InputScan& scan, firmware::Pipeline& pipeline) {
+core::Fix localise(const InputScan& scan, const core::ScanView& list_view, const core::Deadline& deadline,
+                   firmware::Pipeline& pipeline) {
   const core::ScanTime time{scan.time, scan.time, scan.time, scan.time};
-  return scan.is_landmark_list ? pipeline.process_landmarks(scan.landmarks, time, {})
-                               : pipeline.process(scan.scanlines, time, {});
+  return scan.is_landmark_list ? pipeline.process_landmarks(scan.landmarks, list_view, time, deadline)
+                               : pipeline.process(scan.scanlines, time, deadline);
 }
 
 /// As trajectories and truths count time.
@@ -45,12 +46,13 @@ Replay joined(Replay first, Replay second) {
 }
 
 tl::expected<Replay, InputError> replay(const std::vector<std::filesystem::path>& inputs,
-                                        const firmware::Config& config, const ReplayProgress& progress) {
+                                        const firmware::Config& config, const ReplayProgress& progress,
+                                        ReplayClock clock) {
   auto source = open_scans(inputs, config);
   if (!source) {
     return tl::unexpected(source.error());
   }
-  ReplayRun run(config);
+  ReplayRun run(config, clock);
   Replay& result = run.result();
   result.order = (*source)->order();
   result.not_read.assign((*source)->not_read().begin(), (*source)->not_read().end());
@@ -68,7 +70,9 @@ tl::expected<Replay, InputError> replay(const std::vector<std::filesystem::path>
       result.notes.push_back((*scan)->remark);
     }
     const FixRow& row =
-        run.add((*scan)->number, seconds_of((*scan)->time), [&] { return localise(**scan, run.pipeline()); });
+        run.add((*scan)->number, seconds_of((*scan)->time), [&](const core::Deadline& deadline) {
+          return localise(**scan, config.landmark_list.view(), deadline, run.pipeline());
+        });
     if (progress) {
       progress(result.rows.size() + result.refused.size(), (*source)->count(), row);
     }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/mapping/hypothesis_set.hpp"
+#include "core/mapping/map_state.hpp"
 #include "firmware/config/config.hpp"
 #include "tools/input/input_error.hpp"
 #include "tools/input/scan_files.hpp"
@@ -22,8 +22,9 @@ namespace slamsensor::tools {
 /// What a run over recorded scans gave.
 struct Replay {
   std::vector<FixRow> rows;          ///< one per scan that could be read, in order
-  std::vector<MapRow> map;           ///< of the best hypothesis at the end
+  std::vector<MapRow> map;           ///< the home map at the end
   std::vector<bool> matched;         ///< per landmark of `map`: by the last scan that has a fix
+  std::vector<std::pair<std::int64_t, core::Pose2>> path;  ///< scans in the home map at the end, as it then stands
   std::vector<std::string> refused;  ///< messages of the scans that could not be read
   std::vector<NotRead> not_read;     ///< entries of the input folders
   std::string order;                 ///< how the files' names gave the order of the scans; may be empty
@@ -43,6 +44,12 @@ struct Replay {
 /// added, and the map is the second's.
 [[nodiscard]] Replay joined(Replay first, Replay second);
 
+/// Whether the deadline of the profile (realtime.slam_deadline_s) cuts a search, as it does in the daemon.
+enum class ReplayClock : std::uint8_t {
+  Off,  ///< never: the same input gives the same bytes
+  On,
+};
+
 /// Told after every scan; `total` scans in all.
 using ReplayProgress = std::function<void(std::size_t done, std::size_t total, const FixRow& row)>;
 
@@ -51,6 +58,7 @@ using ReplayProgress = std::function<void(std::size_t done, std::size_t total, c
 /// Times are measured with the steady clock; everything else depends on the inputs alone.
 [[nodiscard]] tl::expected<Replay, InputError> replay(const std::vector<std::filesystem::path>& inputs,
                                                       const firmware::Config& config,
-                                                      const ReplayProgress& progress = {});
+                                                      const ReplayProgress& progress = {},
+                                                      ReplayClock clock = ReplayClock::Off);
 
 }  // namespace slamsensor::tools

@@ -36,7 +36,7 @@ bool are_alike(const core::Fix& a, const core::Fix& b) {
 class TapeReplay {
  public:
   TapeReplay(const RecordingFile& recording, const firmware::Config& config)
-      : recording_(recording), run_(config), orders_left_(recording.orders) {
+      : recording_(recording), run_(config, ReplayClock::Off), orders_left_(recording.orders) {
     slam().set_frozen(config.daemon.map_store.frozen ? core::Frozen::Yes : core::Frozen::No);
     load_map(config.core.capacities);
   }
@@ -107,7 +107,9 @@ class TapeReplay {
     const core::ScanTime time{scan.begin + utc_ahead_, scan.middle + utc_ahead_, scan.end + utc_ahead_,
                               scan.end};
     const FixRow& row =
-        run_.add(scan.scan, middle_of(time), [&] { return slam().finish_scan(time, core::Deadline{}); });
+        run_.add(scan.scan, middle_of(time), [&](const core::Deadline& deadline) {
+          return slam().finish_scan(time, deadline);
+        });
     if (is_known) {
       ++run_.result().fixes_compared;
       run_.result().fixes_alike += are_alike(row.fix, sent->second) ? 1 : 0;
@@ -141,7 +143,7 @@ tl::expected<Replay, InputError> replay_tape(const RecordingFile& recording, con
 
 Replay replay_scan_messages(const RecordingFile& recording, const firmware::Config& config,
                             const ReplayProgress& progress) {
-  ReplayRun run(config);
+  ReplayRun run(config, ReplayClock::Off);
   Replay& result = run.result();
   result.notes = recording.damage;
   result.is_damaged = !recording.damage.empty();
@@ -154,8 +156,8 @@ Replay replay_scan_messages(const RecordingFile& recording, const firmware::Conf
     const std::size_t count =
         std::min<std::size_t>(scan->landmarks.size(), config.core.detection.landmarks_max);
     const auto heaviest = std::span(scan->landmarks).first(count);
-    const FixRow& row = run.add(scan->number, middle_of(scan->time), [&] {
-      return run.pipeline().process_landmarks(heaviest, scan->time, core::Deadline{});
+    const FixRow& row = run.add(scan->number, middle_of(scan->time), [&](const core::Deadline& deadline) {
+      return run.pipeline().process_landmarks(heaviest, config.landmark_list.view(), scan->time, deadline);
     });
     if (progress) {
       progress(log.messages(), static_cast<std::size_t>(recording.scan_messages), row);

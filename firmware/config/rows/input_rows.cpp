@@ -33,6 +33,10 @@ constexpr Setting kSettings[] = {
      real<&Config::landmark_list, &LandmarkListConfig::weight_min>(0.0, 1e9)},
     {"landmark_list.diameter_min_m", "m", "Thinner landmarks are left out.",
      real<&Config::landmark_list, &LandmarkListConfig::diameter_min_m>(0.0, 100.0)},
+    {"landmark_list.field_of_view_deg", "deg", "Of the sensor that saw them, centred on its forward axis; 0: not known.",
+     degrees<&Config::landmark_list, &LandmarkListConfig::field_of_view_rad>(0.0, 360.0)},
+    {"landmark_list.range_m", "m", "Up to which that sensor sees landmarks; 0: not known.",
+     real<&Config::landmark_list, &LandmarkListConfig::range_m>(0.0, 2000.0)},
 };
 // clang-format on
 

@@ -19,7 +19,8 @@ using core::MountConfig;
 constexpr std::string_view kPoints[] = {"hull_centroid", "reading_mean"};
 constexpr std::string_view kFits[] = {"least_squares", "robust"};
 constexpr std::string_view kRanks[] = {"significance", "matches"};
-constexpr std::string_view kRules[] = {"computed", "paper"};
+constexpr std::string_view kRules[] = {"evidence", "paper"};
+constexpr std::string_view kSearches[] = {"fast", "paper"};
 constexpr std::string_view kUpdates[] = {"paper", "mean"};
 
 constexpr Section kSections[] = {
@@ -70,6 +71,10 @@ constexpr Setting kSettings[] = {
 
     {"association.tolerance_m", "m", "epsilon: edge lengths and landmark places agree within it.",
      real<kCore, kAssociation, &AssociationConfig::tolerance_m>(0.01, 20.0)},
+    {"association.search", "", "By an index of triangles (fast), or by the correspondence graph (paper).",
+     choice<kCore, kAssociation, &AssociationConfig::search>(kSearches)},
+    {"association.index_neighbours", "", "Fast search: neighbours that a landmark forms triangles with; fewer take less memory.",
+     integer<kCore, kAssociation, &AssociationConfig::index_neighbours>(3, 8)},
     {"association.depth", "", "Edges join landmarks up to this many mesh steps apart.",
      integer<kCore, kAssociation, &AssociationConfig::depth>(1, 20)},
     {"association.order_share", "", "Share of the vertex order that is searched for triangles; 1 is exhaustive.",
@@ -83,12 +88,12 @@ constexpr Setting kSettings[] = {
     {"association.landmarks_min", "", "A scan with fewer landmarks is not searched.",
      integer<kCore, kAssociation, &AssociationConfig::landmarks_min>(3, core::kScanLandmarksMax)},
 
-    {"acceptance.rule", "", "A computed bound on chance (product), or the largest W wins (paper; overlap is assumed).",
+    {"acceptance.rule", "", "The evidence for and against a pose (product), or the largest W wins (paper; overlap is assumed).",
      choice<kCore, kAcceptance, &AcceptanceConfig::rule>(kRules)},
-    {"acceptance.false_alarm_risk", "", "Accepted number of chance poses as good as the answer, per scan.",
-     real<kCore, kAcceptance, &AcceptanceConfig::false_alarm_risk>(1e-12, 1.0)},
-    {"acceptance.ambiguity_risk", "", "Accepted chance that a rival pose elsewhere is the true one.",
-     real<kCore, kAcceptance, &AcceptanceConfig::ambiguity_risk>(1e-12, 1.0)},
+    {"acceptance.risk", "", "Expected wrong fixes per scan that are taken.",
+     real<kCore, kAcceptance, &AcceptanceConfig::risk>(1e-12, 0.1)},
+    {"acceptance.copy_size_m", "m", "The largest thing that comes in copies; 0: 15 m in a map in the making.",
+     real<kCore, kAcceptance, &AcceptanceConfig::copy_size_m>(0.0, 1000.0)},
     {"acceptance.elsewhere_m", "m", "A pose farther from the answer than this is elsewhere: one of the two is wrong.",
      real<kCore, kAcceptance, &AcceptanceConfig::elsewhere_m>(0.001, 1000.0)},
     {"acceptance.elsewhere_deg", "deg", "So is a pose turned by more than this.",
@@ -113,8 +118,10 @@ constexpr Setting kSettings[] = {
      integer<kCore, kCapacities, &Capacities::map_landmarks>(3, 1'000'000)},
     {"capacities.map_edges", "", "Edges of a map's graph; about 10 for a landmark at depth 2.",
      integer<kCore, kCapacities, &Capacities::map_edges>(3, 1'000'000'000)},
-    {"capacities.path_poses", "", "Poses of a hypothesis' path.",
+    {"capacities.path_poses", "", "Poses of the path that are kept.",
      integer<kCore, kCapacities, &Capacities::path_poses>(1, 10'000'000)},
+    {"capacities.sightings", "", "Landmarks in scans that the refinement keeps; about 10 for a landmark.",
+     integer<kCore, kCapacities, &Capacities::sightings>(100, 100'000'000)},
 };
 // clang-format on
 

@@ -1,0 +1,153 @@
+#include "core/decision/decision.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace slamsensor::core {
+namespace {
+
+constexpr double kCopyDecades = 3.0;     // stage 2
+constexpr double kTieDecades = 3.0;
+constexpr double kUsualContradiction = 1.0;  // the decades that a right pose shows by chance
+constexpr double kRivalDecades = 2.0;    // stage 3: what makes a place a rival ...
+constexpr double kRivalShare = 0.5;      // ... unless the answer explains the witnesses by this much more decades ...
+constexpr double kRivalMargin = 1.0;     // ... and how much more has to contradict it
+constexpr double kSigmas = 3.0;          // of a pose, which stay within what is called right
+constexpr double kLocalSigmas = 1.0;
+constexpr double kLocalRisk = 1e-4;      // of a scan in a local map, or that shows again what was just seen
+constexpr double kTieRiskShare = 1e-3;   // of the risk of a fix: a tie binds many scans
+constexpr double kLocalContradiction = 4.0;  // decades against a scan in a local map
+constexpr double kAgainDecades = 1.0;         // two groups: a single one may be a copy
+constexpr double kUnlikeDecades = 2.0;        // three groups
+constexpr double kUnlikeContradiction = 5.0;
+constexpr double kUnlikeStructure = 7.0;      // of a world that hardly repeats itself
+constexpr double kUnlikeMargin = 6.0;         // decades above what wrong places of this world reach
+constexpr double kUnlikeTieMargin = 9.0;
+constexpr double kTieContradiction = 2.0;    // and against a tie
+constexpr double kAgainContradiction = 2.0;  // and against one that shows again what was just seen
+
+double decades_of(double nats) noexcept {
+  return nats / std::numbers::ln10;
+}
+
+bool is_precise(const Evidence& evidence, Stake stake, const AcceptanceConfig& config) noexcept {
+  const double sigmas = stake == Stake::Local ? kLocalSigmas : kSigmas;
+  return sigmas * position_sigma_m(evidence.covariance) <= config.elsewhere_m &&
+         sigmas * std::sqrt(evidence.covariance(2, 2)) <= config.elsewhere_rad;
+}
+
+double risk_of(Stake stake, const AcceptanceConfig& config) noexcept {
+  switch (stake) {
+    case Stake::Local:
+    case Stake::Again:
+      return std::max(kLocalRisk, config.risk);
+    case Stake::Tie:
+      return kTieRiskShare * config.risk;
+    case Stake::Fix:
+      break;
+  }
+  return config.risk;
+}
+
+Verdict refuse(Verdict verdict, FixStatus status, FixReason reason) noexcept {
+  verdict.status = status;
+  verdict.reason = reason;
+  return verdict;
+}
+
+}  // namespace
+
+double position_sigma_m(const Eigen::Matrix3d& covariance) noexcept {
+  const double half_trace = 0.5 * (covariance(0, 0) + covariance(1, 1));
+  const double half_gap = 0.5 * (covariance(0, 0) - covariance(1, 1));
+  return std::sqrt(std::max(0.0, half_trace + std::hypot(half_gap, covariance(0, 1))));
+}
+
+bool elsewhere(const Pose2& a, const Pose2& b, const AcceptanceConfig& config) noexcept {
+  return (a.translation() - b.translation()).norm() > config.elsewhere_m ||
+         std::abs(wrap_angle(a.heading_rad - b.heading_rad)) > config.elsewhere_rad;
+}
+
+std::size_t best_in(std::span<const Weighed> weighed, MapSlot map) noexcept {
+  std::size_t best = SIZE_MAX;
+  for (std::size_t i = 0; i < weighed.size(); ++i) {
+    if (weighed[i].candidate.map == map && weighed[i].candidate.matches.size() >= 3 &&
+        (best == SIZE_MAX || weighed[i].evidence.ln_bayes > weighed[best].evidence.ln_bayes)) {
+      best = i;
+    }
+  }
+  return best;
+}
+
+double runner_up_decades(std::span<const Weighed> weighed, std::size_t chosen, const AcceptanceConfig& config) noexcept {
+  double nats = 0.0;
+  for (const Weighed& other : weighed) {
+    if (other.candidate.map == weighed[chosen].candidate.map &&
+        elsewhere(other.candidate.pose_W, weighed[chosen].candidate.pose_W, config)) {
+      nats = std::max(nats, other.evidence.ln_bayes);
+    }
+  }
+  return decades_of(nats);
+}
+
+Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, SearchEnd end,
+               double structure_decades, const AcceptanceConfig& config) noexcept {
+  Verdict verdict;
+  verdict.chosen = best_in(weighed, map);
+  const FixReason silence = end == SearchEnd::Deadline ? FixReason::Deadline : FixReason::NoOverlap;
+  if (verdict.chosen == SIZE_MAX) {
+    return refuse(verdict, FixStatus::NoFix, silence);
+  }
+  const Weighed& best = weighed[verdict.chosen];
+  const auto is_rival = [&](const Weighed& other) {
+    if (other.candidate.map != map) {
+      // Another map may hold the same place. Where the world repeats itself that has to be shown first.
+      return stake == Stake::Fix && structure_decades >= kUnlikeStructure && other.candidate.matches.size() >= 3;
+    }
+    return &other != &best && elsewhere(other.candidate.pose_W, best.candidate.pose_W, config);
+  };
+  double others = 1.0;  // an unmapped place
+  for (const Weighed& other : weighed) {
+    others += is_rival(other) ? std::exp(std::min(other.evidence.ln_bayes, 600.0)) : 0.0;
+  }
+  const double chance = -decades_of(best.evidence.ln_bayes);
+  const double risk = std::log10(risk_of(stake, config));
+  const double odds = chance + std::log10(others);
+  const double contradictions = best.evidence.contradiction_decades();
+  const double copies = best.evidence.group_decades - std::max(0.0, contradictions - kUsualContradiction);
+  const bool is_seen_again = stake == Stake::Again && contradictions <= kAgainContradiction &&
+                             best.evidence.group_decades >= kAgainDecades;
+  verdict.log10_expected_wrong = std::min(0.0, odds);
+  if (chance > risk) {
+    return refuse(verdict, FixStatus::NoFix, silence);
+  }
+  if (!is_precise(best.evidence, stake, config)) {
+    return refuse(verdict, FixStatus::NoFix, FixReason::TooFewLandmarks);
+  }
+  const bool is_unlike_others = best.evidence.group_decades >= (stake == Stake::Tie ? kTieDecades : kUnlikeDecades) && contradictions <= kUnlikeContradiction &&
+                                structure_decades <= kUnlikeStructure &&
+                                -chance >= structure_decades + (stake == Stake::Tie ? kUnlikeTieMargin : kUnlikeMargin);
+  if ((stake == Stake::Local && contradictions > kLocalContradiction) ||
+      (stake == Stake::Tie && !is_unlike_others && contradictions > kTieContradiction)) {
+    return refuse(verdict, FixStatus::NoFix, FixReason::NoOverlap);
+  }
+  if (odds > risk) {
+    return refuse(verdict, FixStatus::Ambiguous, FixReason::Symmetric);
+  }
+  const double rival_decades = std::max(kRivalDecades, kRivalShare * -chance);
+  for (const Weighed& other : weighed) {
+    if (stake != Stake::Local && !is_seen_again && is_rival(other) && decades_of(other.evidence.ln_bayes) >= rival_decades &&
+        other.evidence.contradiction_decades() < contradictions + kRivalMargin) {
+      return refuse(verdict, FixStatus::Ambiguous, FixReason::Symmetric);
+    }
+  }
+  if (stake != Stake::Local && !is_seen_again && !is_unlike_others && copies < (stake == Stake::Tie ? kTieDecades : kCopyDecades)) {
+    return refuse(verdict, FixStatus::Ambiguous, FixReason::Copy);
+  }
+  verdict.status = FixStatus::Fix;
+  verdict.reason = FixReason::None;
+  return verdict;
+}
+
+}  // namespace slamsensor::core

@@ -1,0 +1,311 @@
+#include "core/decision/evidence.hpp"
+
+#include "core/association/rigid_fit.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace slamsensor::core {
+namespace {
+
+constexpr double kGateSigmas = 3.7;  // beyond, a match explains less than no match
+constexpr int kRounds = 4;
+constexpr double kSigmaPrior = 12.0;      // axes that the learned spread counts as
+constexpr double kContradictionPrior = 25.0;  // pseudo-observations of the beta distributions
+constexpr double kHalfWidth_m = 0.3;      // of what stands in the way
+// The size of what may come in copies where nothing is set: a copse, a bicycle stand, a parking bay. In a complete survey
+// copies are all known, and what is left is chance: this share of the mean spacing.
+constexpr double kCopy_m = 15.0;
+constexpr double kCopyShare = 0.8;
+constexpr double kGroupCap = std::numbers::ln10;  // a group is worth one decade at most
+constexpr double kConfirmedClutter = 0.05;  // share of the confirmed landmarks that another map may lack at least ...
+constexpr double kConfirmedShare = 0.5;     // ... or this share of what a scan's landmarks may
+constexpr double kLookedAt = 0.5;         // explored this much, ground counts as explored
+
+/// ln Gamma for x >= 0.5 (Stirling with two terms after shifting up; error below 1e-7).
+double ln_gamma(double x) noexcept {
+  double shift = 0.0;
+  while (x < 8.0) {
+    shift -= std::log(x);
+    x += 1.0;
+  }
+  const double inverse = 1.0 / x;
+  return shift + (x - 0.5) * std::log(x) - x + 0.5 * std::log(2.0 * std::numbers::pi) +
+         inverse / 12.0 - inverse * inverse * inverse / 360.0;
+}
+
+/// A witness' spread is one part of a match's variance, the landmark's own the other.
+double variance_share(const Standing& standing, double sigma_share) noexcept {
+  return sigma_share * sigma_share + 1.0 / static_cast<double>(std::max(1U, standing.sightings));
+}
+
+/// Without a field of view the sensor looks where it has ever seen a landmark.
+bool is_looked_at(const ScanView& view, const Rates& rates, const Point2& p_L) noexcept {
+  const bool is_known = !view.free_m.empty() || view.field_of_view_rad > 0.0;
+  return view.shows(p_L, kHalfWidth_m) &&
+         (is_known || rates.bearings[Rates::bearing_bin(std::atan2(p_L.y(), p_L.x()))] > 0.0F);
+}
+
+}  // namespace
+
+struct EvidenceScale::Scene {
+  const Witnesses& witnesses;
+  const Maps& maps;
+  double reach_m = 0.0;      // the farthest witness
+  double area_m2 = 0.0;      // of the witnesses' field
+  double density_per_m2 = 0.0;
+};
+
+double chance_to_be_shown(const Rates& rates, const Standing& standing, double range_m) noexcept {
+  constexpr double kPrior = 3.0;
+  const double mean = rates.mean_detection();
+  // The first sighting says that there is something, not how often it is seen.
+  const auto sightings = static_cast<double>(standing.sightings);
+  const double chances = std::max(static_cast<double>(standing.chances), sightings);
+  const double start = standing.sightings < 2 ? rates.second_detection() : mean;
+  const double own = (sightings - 1.0 + kPrior * start) / (chances - 1.0 + kPrior);
+  return std::clamp(own * rates.detection(range_m) / mean, 0.02, 0.97);
+}
+
+double log10_beta_binomial_tail(std::uint32_t trials, std::uint32_t hits, double mean, double weight) noexcept {
+  if (hits == 0 || trials == 0) {
+    return 0.0;
+  }
+  const double a = std::clamp(mean, 1e-3, 1.0 - 1e-3) * weight;
+  const double b = weight - a;
+  double ln_term = 0.0;  // of no hit
+  for (std::uint32_t i = 0; i < trials; ++i) {
+    ln_term += std::log((b + i) / (a + b + i));
+  }
+  double tail = 0.0;
+  double scale = 0.0;
+  bool is_first = true;
+  for (std::uint32_t k = 0; k <= trials; ++k) {
+    if (k >= hits) {
+      scale = is_first ? ln_term : scale;
+      is_first = false;
+      tail += std::exp(ln_term - scale);
+    }
+    if (k < trials) {
+      ln_term += std::log((trials - k) / (k + 1.0) * (k + a) / (trials - k - 1.0 + b));
+    }
+  }
+  return std::min(0.0, (scale + std::log(tail)) / std::numbers::ln10);
+}
+
+Evidence EvidenceScale::weigh(const Witnesses& witnesses, const Maps& maps, Candidate& candidate) noexcept {
+  Scene scene{witnesses, maps};
+  for (const Point2& p : witnesses.points_B) {
+    scene.reach_m = std::max(scene.reach_m, (witnesses.T_L_B * p).norm());
+  }
+  // The field: as far as the farthest witness, over the bearings that the sensor looks at.
+  const double angle_rad = witnesses.view != nullptr && witnesses.view->field_of_view_rad > 0.0
+                               ? witnesses.view->field_of_view_rad
+                               : 2.0 * std::numbers::pi;
+  scene.area_m2 = std::max(1.0, 0.5 * angle_rad * scene.reach_m * scene.reach_m);
+  scene.density_per_m2 = static_cast<double>(witnesses.points_B.size()) / scene.area_m2;
+  Evidence evidence;
+  double sigma_m = maps.rates.sigma_m(start_sigma_m());
+  for (int round = 0; round < kRounds; ++round) {
+    const std::size_t before = candidate.matches.size();
+    match(scene, kGateSigmas * sigma_m, candidate);
+    if (candidate.matches.size() < 3) {
+      return evidence;
+    }
+    fit(scene, sigma_m, candidate);
+    if (round > 0 && candidate.matches.size() == before) {
+      break;
+    }
+  }
+  weigh_matches(scene, candidate, evidence);
+  weigh_unmatched(scene, candidate, evidence);
+  weigh_missing(scene, candidate, evidence);
+  double copy_m = acceptance_.copy_size_m;
+  if (copy_m <= 0.0) {
+    copy_m = witnesses.is_surveyed ? kCopyShare * std::sqrt(1.0 / scene.density_per_m2) : kCopy_m;
+  }
+  evidence.group_decades = group_decades(scene, candidate, copy_m);
+  return evidence;
+}
+
+void EvidenceScale::match(const Scene& scene, double gate_m, Candidate& candidate) noexcept {
+  const RigidMotion move(candidate.pose_W);
+  candidate.matches.clear();
+  candidate.residual_m2 = 0.0;
+  const std::span<const Point2> points = scene.witnesses.points_B;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    const Point2 seen_W = move(points[i]);
+    double d2 = 0.0;
+    const std::uint32_t slot = scene.maps.index.nearest_within(candidate.map, seen_W, gate_m, d2);
+    if (slot == LandmarkIndex::kNone) {
+      continue;
+    }
+    d2 = (seen_W - scene.maps.positions[slot]).squaredNorm();
+    std::size_t m = 0;
+    while (m < candidate.matches.size() && candidate.matches[m].map != slot) {
+      ++m;
+    }
+    if (m == candidate.matches.size()) {
+      SLAMSENSOR_ASSERT(candidate.matches.try_push_back({i, slot}));
+      distance2_[m] = d2;
+    } else if (d2 < distance2_[m]) {  // the nearer of two that claim a landmark has it
+      candidate.matches[m] = {i, slot};
+      distance2_[m] = d2;
+    }
+  }
+  std::sort(candidate.matches.begin(), candidate.matches.end(),
+            [](const Match& a, const Match& b) { return a.scan < b.scan; });
+}
+
+void EvidenceScale::fit(const Scene& scene, double sigma_m, Candidate& candidate) const noexcept {
+  // Well above the spread, so that two sightings that disagree are averaged and not chosen between.
+  constexpr double kRobustSigmas = 3.0;
+  candidate.pose_W = fit_pose_robust(candidate.pose_W, candidate.matches.span(), scene.witnesses.points_B,
+                                     scene.maps.positions, kRobustSigmas * sigma_m);
+}
+
+void EvidenceScale::weigh_matches(const Scene& scene, const Candidate& candidate, Evidence& evidence) noexcept {
+  const Rates& rates = scene.maps.rates;
+  const RigidMotion move(candidate.pose_W);
+  const double start_m = rates.sigma_m(start_sigma_m());
+  ln_density_ = std::log(scene.density_per_m2);
+  double scaled2 = 0.0;    // squared residuals over their variance share
+  double ln_shares = 0.0;
+  double ln_shown = 0.0;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  const auto count = static_cast<double>(candidate.matches.size());
+  for (std::size_t m = 0; m < candidate.matches.size(); ++m) {
+    const Match& match = candidate.matches[m];
+    const Point2 seen_W = move(scene.witnesses.points_B[match.scan]);
+    const Standing& standing = scene.maps.standing[match.map];
+    const double share = variance_share(standing, scene.witnesses.sigma_share);
+    distance2_[m] = (seen_W - scene.maps.positions[match.map]).squaredNorm() / share;
+    scaled2 += distance2_[m];
+    ln_shares += std::log(share);
+    const double range_m = (scene.witnesses.T_L_B * scene.witnesses.points_B[match.scan]).norm();
+    nats_[m] = std::log(chance_to_be_shown(rates, standing, range_m)) - ln_density_ - std::log(share);
+    ln_shown += nats_[m] + std::log(share);
+    const Point2 arm = seen_W - candidate.pose_W.translation();
+    Eigen::Matrix<double, 2, 3> J;
+    J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+    information += J.transpose() * J / share;
+  }
+  // Sigma integrated out: an inverse gamma prior of kSigmaPrior axes at the learned spread.
+  const double freedom = 2.0 * count - 3.0;
+  const double alpha = 0.5 * kSigmaPrior;
+  const double beta = 0.5 * kSigmaPrior * start_m * start_m;
+  const double determinant = std::max(information.determinant(), 1e-9);
+  evidence.ln_bayes = ln_shown - ln_shares + ln_gamma(alpha + 0.5 * freedom) - ln_gamma(alpha) +
+                      alpha * std::log(beta) - (alpha + 0.5 * freedom) * std::log(beta + 0.5 * scaled2) -
+                      0.5 * freedom * std::log(2.0 * std::numbers::pi) - 0.5 * std::log(determinant) -
+                      std::log(2.0 * std::numbers::pi * std::max(scene.maps.ground.area_m2(), scene.area_m2));
+  const double variance = (kSigmaPrior * start_m * start_m + scaled2) / (kSigmaPrior + std::max(0.0, freedom));
+  evidence.sigma_m = std::sqrt(variance);
+  Eigen::Matrix3d inverse;
+  bool is_invertible = false;
+  information.computeInverseWithCheck(inverse, is_invertible);
+  evidence.covariance = is_invertible ? Eigen::Matrix3d(variance * rates.inflation * inverse)
+                                      : Eigen::Matrix3d(Eigen::Matrix3d::Identity() * 1e6);
+  for (std::size_t m = 0; m < candidate.matches.size(); ++m) {
+    nats_[m] -= std::log(2.0 * std::numbers::pi * variance) + 0.5 * distance2_[m] / variance;
+  }
+}
+
+void EvidenceScale::weigh_unmatched(const Scene& scene, const Candidate& candidate, Evidence& evidence) const noexcept {
+  const RigidMotion move(candidate.pose_W);
+  // A landmark that two scans saw is hardly ever nothing.
+  const double clutter = scene.witnesses.view != nullptr
+                             ? scene.maps.rates.clutter_share()
+                             : std::max(kConfirmedClutter, kConfirmedShare * scene.maps.rates.clutter_share());
+  double expected = 0.0;
+  std::size_t m = 0;
+  const std::span<const Point2> points = scene.witnesses.points_B;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    const double e = scene.maps.ground.explored(candidate.map, move(points[i]));
+    const bool is_matched = m < candidate.matches.size() && candidate.matches[m].scan == i;
+    m += is_matched ? 1 : 0;
+    expected += e;
+    if (!is_matched) {
+      evidence.ln_bayes += std::log(1.0 - e + e * clutter);
+    }
+    if (is_matched || e >= kLookedAt) {
+      ++evidence.explored;
+      evidence.unmatched += is_matched ? 0 : 1;
+    }
+  }
+  evidence.ln_bayes += (1.0 - clutter) * expected;
+  evidence.log10_unmatched =
+      log10_beta_binomial_tail(evidence.explored, evidence.unmatched, clutter, kContradictionPrior);
+}
+
+void EvidenceScale::weigh_missing(const Scene& scene, const Candidate& candidate, Evidence& evidence) const noexcept {
+  const Pose2 T_B_W = candidate.pose_W.inverse();
+  const Witnesses& witnesses = scene.witnesses;
+  double expected_missing = 0.0;
+  scene.maps.index.visit_within(
+      candidate.map, candidate.pose_W.translation(), scene.reach_m + 2.0, [&](std::uint32_t slot, double) {
+        const Point2 p_B = T_B_W * scene.maps.positions[slot];
+        const Point2 p_L = witnesses.T_L_B * p_B;
+        const double range_m = p_L.norm();
+        double looked = 1.0;
+        if (witnesses.view != nullptr) {
+          looked = range_m <= scene.reach_m && is_looked_at(*witnesses.view, scene.maps.rates, p_L) ? 1.0 : 0.0;
+        } else {
+          looked = scene.maps.ground.explored(witnesses.own_map, witnesses.T_own_B * p_B);
+        }
+        if (looked < kLookedAt) {
+          return;
+        }
+        const Standing& standing = scene.maps.standing[slot];
+        const double once = chance_to_be_shown(scene.maps.rates, standing, range_m);
+        // A map that looked at the mean landmark with chance `looked` looked at this one as often.
+        const double looks = std::log1p(-std::min(looked, 0.999)) / std::log1p(-scene.maps.rates.mean_detection());
+        const double shown = witnesses.view != nullptr ? once : (1.0 - kConfirmedClutter) * (1.0 - std::pow(1.0 - once, looks));
+        ++evidence.in_view;
+        expected_missing += 1.0 - shown;
+        const bool is_matched = std::any_of(candidate.matches.begin(), candidate.matches.end(),
+                                            [&](const Match& match) { return match.map == slot; });
+        if (!is_matched) {
+          ++evidence.missing;
+          evidence.ln_bayes += std::log1p(-shown);
+        }
+      });
+  if (evidence.in_view > 0) {
+    evidence.log10_missing = log10_beta_binomial_tail(evidence.in_view, evidence.missing,
+                                                      expected_missing / evidence.in_view, kContradictionPrior);
+  }
+}
+
+/// Matches within the size of a copy of the strongest are one group, then those within it of the strongest that is left.
+double EvidenceScale::group_decades(const Scene& scene, const Candidate& candidate, double copy_m) const noexcept {
+  std::array<bool, kScanLandmarksMax> taken{};
+  double sum = 0.0;
+  double largest = 0.0;
+  std::size_t left = candidate.matches.size();
+  while (left > 0) {
+    std::size_t strongest = kScanLandmarksMax;
+    for (std::size_t m = 0; m < candidate.matches.size(); ++m) {
+      if (!taken[m] && (strongest == kScanLandmarksMax || nats_[m] > nats_[strongest])) {
+        strongest = m;
+      }
+    }
+    double group = 0.0;
+    const Point2& centre = scene.witnesses.points_B[candidate.matches[strongest].scan];
+    for (std::size_t m = 0; m < candidate.matches.size(); ++m) {
+      if (!taken[m] && (scene.witnesses.points_B[candidate.matches[m].scan] - centre).norm() <= copy_m) {
+        taken[m] = true;
+        group += std::max(0.0, nats_[m]);
+        --left;
+      }
+    }
+    group = std::min(group, kGroupCap);
+    sum += group;
+    largest = std::max(largest, group);
+  }
+  return (sum - largest) / std::numbers::ln10;
+}
+
+}  // namespace slamsensor::core

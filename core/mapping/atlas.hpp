@@ -1,0 +1,167 @@
+#pragma once
+
+#include "core/association/fast_search.hpp"
+#include "core/association/graph_search.hpp"
+#include "core/config.hpp"
+#include "core/deadline.hpp"
+#include "core/decision/decision.hpp"
+#include "core/decision/evidence.hpp"
+#include "core/decision/explored_ground.hpp"
+#include "core/decision/rates.hpp"
+#include "core/decision/scan_view.hpp"
+#include "core/fix.hpp"
+#include "core/landmark.hpp"
+#include "core/mapping/map_state.hpp"
+#include "core/mapping/sighting_graph.hpp"
+#include "core/memory/arena.hpp"
+#include "core/memory/bounded_vector.hpp"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace slamsensor::core {
+
+/// A place where a local map may lie: the paper's hypothesis (II-D). W is the accumulated match count of the scans that
+/// say so.
+struct PlaceHypothesis {
+  MapSlot target = 0;
+  Pose2 T_target_map;
+  std::uint64_t W = 0;
+  std::uint32_t scans = 0;  ///< that say so by several groups of landmarks which nothing contradicts
+  double decades = 0.0;     ///< by which those scans say so
+};
+
+/// One of the maps that are kept. Home or local.
+struct MapEntry {
+  static constexpr std::size_t kPlacesMax = kHypothesesMax;
+
+  std::uint32_t number = 0;  ///< from 1 on, in the order of their making; 0: not in use
+  std::uint32_t scans = 0;   ///< that were brought into it
+  std::uint32_t last_scan = 0;
+  std::uint32_t landmarks = 0;
+  std::uint32_t confirmed = 0;  ///< landmarks that a second scan saw
+  std::uint64_t W = 0;          ///< accumulated match count
+  Pose2 last_pose;
+  std::uint32_t last_place = SightingGraph::kNone;  ///< of last_pose in the graph
+  PlaceHypothesis tie;          ///< where its confirmed landmarks as a whole were believed last, W times in a row
+  FixedVector<PlaceHypothesis, kPlacesMax> places;  ///< the best W first
+};
+
+/// All that the sensor remembers, and how a scan changes it (DESIGN 2.5): the home map, local maps that are not yet tied
+/// to it, and the hypotheses of where those may lie. A scan that is believed in the home map is a fix and extends it. One
+/// that is not is held against the local maps, and starts one when it is believed in none. A local map whose confirmed
+/// landmarks as a whole are believed in another map becomes part of that map. One thread; no allocation after
+/// construction.
+class Atlas {
+ public:
+  static constexpr std::size_t kMapsMax = 16;
+
+  Atlas(Arena& arena, const Config& config) noexcept;
+
+  /// Localises the scan and brings it into the maps. `landmarks` come heaviest first. Fix::time is the caller's.
+  [[nodiscard]] Fix process(std::span<const ScanLandmark> landmarks, const ScanView& view, const Deadline& deadline) noexcept;
+
+  /// Forgets everything; the next scan starts a new map, unless frozen.
+  void reset() noexcept;
+  [[nodiscard]] MapCheck restore(const MapState& state) noexcept;
+  /// Makes landmarks that somebody else surveyed (W, m, on the lattice) the home map. False, and the map is empty, when
+  /// they are more than there is room for.
+  [[nodiscard]] bool take_survey(std::span<const Point2> landmarks_W) noexcept;
+  void set_frozen(Frozen frozen) noexcept { frozen_ = frozen; }
+  [[nodiscard]] Frozen frozen() const noexcept { return frozen_; }
+
+  /// All of the home map that cannot be computed again, into `room`, whose spans are at least as long as the capacities;
+  /// the answer's spans are parts of them. Takes time in proportion to the map.
+  [[nodiscard]] MapState copy_home(const MapRoom& room) const noexcept;
+  /// Grows whenever a map changes, and never falls.
+  [[nodiscard]] std::uint64_t revision() const noexcept { return revision_; }
+  [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
+  [[nodiscard]] std::span<const MapEntry> maps() const noexcept { return maps_; }
+  /// The home map; null while there is none.
+  [[nodiscard]] const MapEntry* home() const noexcept { return home_ == kNoMap ? nullptr : &maps_[home_]; }
+  [[nodiscard]] MapSlot home_slot() const noexcept { return home_; }
+  [[nodiscard]] std::uint32_t scans() const noexcept { return scans_; }
+  [[nodiscard]] const SightingGraph& graph() const noexcept { return graph_; }
+  [[nodiscard]] const Rates& rates() const noexcept { return rates_; }
+  [[nodiscard]] std::uint64_t landmarks_evicted() const noexcept { return landmarks_evicted_; }
+  /// The places of the last search, the best first, for those who show them.
+  [[nodiscard]] std::span<const Weighed> weighed() const noexcept { return weighed_.span(); }
+
+ private:
+  struct Scan {
+    std::uint32_t number = 0;
+    const ScanView* view = nullptr;
+    double reach_m = 0.0;
+  };
+
+  void take_landmarks(std::span<const ScanLandmark> landmarks) noexcept;
+  void search(const Deadline& deadline, Fix& fix) noexcept;
+  void find(std::span<const Point2> points, MapSlot except, const MatchModel& model, const Deadline& deadline) noexcept;
+  void weigh(const Witnesses& witnesses, const Candidates& found, BoundedVector<Weighed>& weighed) noexcept;
+  void localise(const Deadline& deadline, Fix& fix) noexcept;
+  [[nodiscard]] std::optional<std::size_t> best_local() const noexcept;
+  [[nodiscard]] Stake stake_of(MapSlot map) const noexcept;
+  void describe(const Weighed& weighed, Fix& fix) const noexcept;
+  void extend(const Weighed& weighed) noexcept;
+  void step_groups(const Weighed& weighed, MapSlot map) noexcept;
+  void note_places(const Weighed& local) noexcept;
+  void learn_from(const Weighed& weighed) noexcept;
+  [[nodiscard]] bool is_contradicted(const GraphLandmark& landmark, const Standing& standing,
+                                     double range_m) const noexcept;
+  void look_for_missing(const Weighed& weighed) noexcept;
+  std::uint32_t update_matched(const Weighed& weighed, std::array<std::uint32_t, 3>& parents) noexcept;
+  void look_around(MapSlot map, const Pose2& T_W_B) noexcept;
+  void start_map(Fix& fix) noexcept;
+  [[nodiscard]] MapSlot free_map() noexcept;
+  void drop_map(MapSlot map) noexcept;
+  void remove_landmark(std::uint32_t slot) noexcept;
+  void make_room(std::uint32_t wanted) noexcept;
+  void choose_home() noexcept;
+  void try_tie(MapSlot map, const Deadline& deadline) noexcept;
+  [[nodiscard]] bool tie_by_scans(MapSlot map) noexcept;
+  void confirm_tie(MapSlot map, const Weighed& weighed) noexcept;
+  void tie(MapSlot map, const Weighed& weighed) noexcept;
+  void probe_structure() noexcept;
+  [[nodiscard]] Maps maps_view() const noexcept {
+    return {graph_.index(), graph_.positions(), graph_.standing(), ground_, rates_};
+  }
+  [[nodiscard]] Witnesses scan_witnesses() const noexcept;
+
+  Config config_;
+  Pose2 T_L_B_;
+  SightingGraph graph_;
+  ExploredGround ground_;
+  FastSearch fast_;
+  std::optional<GraphSearch> by_graph_;  // only where the paper's search is chosen
+  BoundedVector<std::uint32_t> slots_;   // of one map, for it
+  EvidenceScale scale_;
+  Rates rates_;
+  std::array<MapEntry, kMapsMax> maps_{};
+  MapSlot home_ = kNoMap;
+  bool is_surveyed_ = false;
+  bool has_fixed_ = false;  // in the present home map
+  BoundedVector<Point2> points_L_;  // of the scan
+  BoundedVector<Point2> points_B_;
+  BoundedVector<SightingGraph::Seen> seen_;
+  BoundedVector<Point2> confirmed_;  // of a local map that is to be tied
+  BoundedVector<std::uint32_t> confirmed_slots_;
+  BoundedVector<Candidates> found_;  // one
+  BoundedVector<Weighed> weighed_;
+  BoundedVector<Weighed> weighed_ties_;
+  Scan scan_;
+  std::array<bool, kScanLandmarksMax> was_unseen_{};  // per landmark of the scan: what it matches was not seen for long
+  std::uint32_t closed_scan_ = 0;                     // that closed a loop last
+  std::uint32_t group_steps_due_ = 0;
+  std::uint32_t scans_since_step_ = 0;
+  Counters counters_;
+  Frozen frozen_ = Frozen::No;
+  std::uint64_t revision_ = 0;
+  std::uint64_t landmarks_evicted_ = 0;
+  std::uint32_t scans_ = 0;
+  std::uint32_t jumps_ = 0;
+  std::uint32_t maps_made_ = 0;
+};
+
+}  // namespace slamsensor::core

@@ -1,0 +1,218 @@
+#pragma once
+
+#include "core/association/landmark_index.hpp"
+#include "core/config.hpp"
+#include "core/decision/evidence.hpp"
+#include "core/geometry/pose2.hpp"
+#include "core/memory/arena.hpp"
+#include "core/memory/bounded_vector.hpp"
+#include "core/memory/fixed_vector.hpp"
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+namespace slamsensor::core {
+
+/// A landmark of one of the maps. Its place is the weighted mean of its sightings and its prior.
+struct GraphLandmark {
+  static constexpr std::uint32_t kNoParent = UINT32_MAX;
+
+  std::uint32_t id = 0;  ///< unique in all maps, increasing
+  std::uint32_t xi = 0;  ///< positional error (Algorithm 1)
+  std::array<std::uint32_t, 3> parents{kNoParent, kNoParent, kNoParent};  ///< ids that triangulated it
+  std::uint32_t first_scan = 0;
+  std::uint32_t last_scan = 0;
+  std::uint32_t sightings = UINT32_MAX;  ///< head of the chain of its sightings in the graph
+  std::uint32_t brought_by = UINT32_MAX; ///< the pose whose scan showed it first
+  float prior_x_m = 0.0F;                ///< mean of the sightings that are not kept any more
+  float prior_y_m = 0.0F;
+  float prior_weight = 0.0F;
+  MapSlot map = 0;
+  std::uint16_t misses = 0;  ///< scans in a row that should have shown it
+  double sum_x_m = 0.0;      ///< of weight times place, over prior and sightings
+  double sum_y_m = 0.0;
+  double sum_weight = 0.0;
+};
+
+/// A place from which the sensor saw landmarks.
+struct GraphPose {
+  Pose2 T_W_B;
+  std::uint32_t scan = 0;
+  std::uint32_t xi = 0;
+  std::uint32_t first = 0;    ///< sighting, a place in the ring
+  std::uint32_t count = 0;    ///< sightings; 0 when the pose was taken out
+  std::uint32_t brought = 0;  ///< landmarks that its scan showed first ...
+  std::uint32_t gone = 0;     ///< ... and how many of them later scans contradicted
+  MapSlot map = 0;
+  std::uint16_t group = 0;      ///< of the last group step
+  std::uint16_t is_anchor = 0;  ///< holds the frame of its map: it is never moved
+};
+
+/// One landmark in one scan.
+struct GraphSighting {
+  float x_m = 0.0F;  ///< in the sensor's frame L, as measured
+  float y_m = 0.0F;
+  float weight = 1.0F;  ///< of the robust mean
+  std::uint32_t landmark = UINT32_MAX;
+  std::uint32_t pose = 0;
+  std::uint32_t next = UINT32_MAX;  ///< of the same landmark
+};
+
+/// Poses and landmarks of all maps, joined by sightings, and their least squares solution (DESIGN 2.6).
+///
+/// The landmarks are eliminated: each stands at the weighted mean of its sightings, so that the unknowns are the poses.
+/// Two kinds of steps lower the sum of squares. A refit moves one pose to its best place against what the other poses
+/// say of its landmarks (block Gauss-Seidel on the reduced system, exact, in time of its sightings). A group step moves
+/// groups of consecutive poses as rigid bodies (the coarse level of a two-grid method; it spreads what a closed loop
+/// shows over the whole loop). Weights are those of a robust kernel whose scale is the tolerance or more: a smaller one
+/// would choose between sightings that disagree instead of averaging them.
+///
+/// Memory is fixed. Poses and sightings are two rings; when one is full the oldest pose is folded: its sightings become
+/// part of the priors of their landmarks. One thread; no allocation after construction.
+class SightingGraph {
+ public:
+  static constexpr std::uint32_t kNone = UINT32_MAX;
+
+  SightingGraph(Arena& arena, const Config& config) noexcept;
+
+  /// A new landmark of `map` at `position_W` (m), as yet without sightings; kNone when there is no room.
+  [[nodiscard]] std::uint32_t add_landmark(MapSlot map, const Point2& position_W, std::uint32_t scan,
+                                           std::uint32_t xi) noexcept;
+  /// Gives a landmark without sightings a prior of `weight` sightings at its place.
+  void set_prior(std::uint32_t slot, double weight) noexcept;
+  void remove_landmark(std::uint32_t slot) noexcept;
+
+  /// What a scan saw of a landmark.
+  struct Seen {
+    std::uint32_t landmark;
+    Point2 point_L;
+  };
+  /// A pose of `map` with its sightings (at most the scan's capacity). The landmarks follow at once. Returns its place.
+  std::uint32_t add_pose(const GraphPose& pose, std::span<const Seen> seen) noexcept;
+  /// Takes a pose and its sightings out; landmarks that nothing else supports go, too.
+  void remove_pose(std::uint32_t pose) noexcept;
+
+  /// Moves the pose to its best place against what the other poses say of its landmarks.
+  void refit(std::uint32_t pose) noexcept;
+  /// Refits the poses that share a landmark with `pose`, the latest first, at most `count`, then `pose`.
+  void refit_around(std::uint32_t pose, std::uint32_t count) noexcept;
+  /// Refits about `sightings` sightings' worth of poses in turn, through all of them over time.
+  void refit_in_turn(std::uint32_t sightings) noexcept;
+
+  /// Makes all of `from` part of `to`: T_to_from takes coordinates of one to the other. `twins` are pairs (of from, of
+  /// to) that are one landmark.
+  void merge(MapSlot from, MapSlot to, const Pose2& T_to_from, std::span<const Match> twins) noexcept;
+  /// Forgets all of a map.
+  void forget(MapSlot map) noexcept;
+  void clear() noexcept;
+
+  /// Sets how much farther a landmark's centre lies than was measured (m). Landmarks follow.
+  void set_offset(double offset_m) noexcept;
+  /// A measured point in the body's frame.
+  [[nodiscard]] Point2 body_point(const Point2& point_L) const noexcept;
+
+  void set_robust_scale(double scale_m) noexcept { robust_scale_m_ = scale_m; }
+
+  [[nodiscard]] std::span<const Point2> positions() const noexcept { return positions_.span(); }
+  [[nodiscard]] std::span<const Standing> standing() const noexcept { return standing_.span(); }
+  [[nodiscard]] Standing& standing(std::uint32_t slot) noexcept { return standing_[slot]; }
+  [[nodiscard]] GraphLandmark& landmark(std::uint32_t slot) noexcept { return landmarks_[slot]; }
+  [[nodiscard]] const GraphLandmark& landmark(std::uint32_t slot) const noexcept { return landmarks_[slot]; }
+  [[nodiscard]] bool is_used(std::uint32_t slot) const noexcept { return used_[slot] != 0; }
+  [[nodiscard]] std::uint32_t slots() const noexcept { return static_cast<std::uint32_t>(landmarks_.size()); }
+  [[nodiscard]] std::uint32_t free_landmarks() const noexcept {
+    return static_cast<std::uint32_t>(free_.size() + (landmarks_.capacity() - landmarks_.size()));
+  }
+  [[nodiscard]] const LandmarkIndex& index() const noexcept { return index_; }
+  [[nodiscard]] GraphPose& pose(std::uint32_t place) noexcept { return poses_[place]; }
+  /// The poses that are kept, from the oldest on: visit(place, pose).
+  template <typename Visit>
+  void visit_poses(Visit&& visit) const noexcept {
+    for (std::uint64_t p = pose_tail_; p < pose_head_; ++p) {
+      const auto place = static_cast<std::uint32_t>(p % poses_.capacity());
+      if (poses_[place].count > 0) {
+        visit(place, poses_[place]);
+      }
+    }
+  }
+  [[nodiscard]] std::uint64_t sightings_kept() const noexcept { return sighting_head_ - sighting_tail_; }
+  [[nodiscard]] std::uint64_t poses_folded() const noexcept { return folded_; }
+
+  /// One group step on the poses of `map` (see above), and a step of the offset with it. `sigma_m` is the spread of a
+  /// sighting per axis. Takes time in proportion to the sightings of the map.
+  void group_step(MapSlot map, double sigma_m) noexcept;
+  /// Variance of (x, y, heading) of a pose relative to the origin of its map, as the last group step of that map found
+  /// it, for sightings of variance 1. Zero before the first.
+  [[nodiscard]] Eigen::Matrix3d drift_of(std::uint32_t pose) const noexcept {
+    return poses_[pose].map == drift_map_ ? drift_[std::min<std::size_t>(poses_[pose].group, drift_.size() - 1)]
+                                          : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
+  }
+  [[nodiscard]] double offset_m() const noexcept { return offset_m_; }
+
+ private:
+  static constexpr std::uint32_t kGroupsMax = 40;
+  static constexpr std::uint32_t kGroupPosesMin = 3;
+
+  /// What one group says of one landmark.
+  struct Share {
+    std::uint32_t group = 0;
+    Eigen::Matrix<double, 2, 3> sum_J = Eigen::Matrix<double, 2, 3>::Zero();  // of weight times derivative
+  };
+  using Shares = FixedVector<Share, kGroupsMax>;
+
+  void chain(std::uint32_t sighting) noexcept;
+  void unchain(std::uint32_t sighting) noexcept;
+  void add_to_sum(const GraphSighting& sighting, const Pose2& T_W_B, double sign) noexcept;
+  void place(std::uint32_t slot) noexcept;
+  void fold_oldest() noexcept;
+  void sum_anew() noexcept;
+  [[nodiscard]] std::uint32_t make_groups(MapSlot map) noexcept;
+  void add_landmark_to_system(std::uint32_t slot) noexcept;
+  void hold_frame(MapSlot map, std::uint32_t groups) noexcept;
+  [[nodiscard]] bool factorise(std::uint32_t unknowns) noexcept;
+  void solve(std::span<double> x) const noexcept;
+  void move_groups(MapSlot map) noexcept;
+  void find_drift(MapSlot map, std::uint32_t groups) noexcept;
+  [[nodiscard]] bool step_offset() noexcept;
+  [[nodiscard]] double& system(std::uint32_t row, std::uint32_t column) noexcept {
+    return system_[std::size_t{row} * 3 * kGroupsMax + column];
+  }
+  [[nodiscard]] double system(std::uint32_t row, std::uint32_t column) const noexcept {
+    return system_[std::size_t{row} * 3 * kGroupsMax + column];
+  }
+
+  MountConfig mount_;
+  Pose2 T_B_L_;
+  double robust_scale_m_;
+  double offset_m_ = 0.0;
+  LandmarkIndex index_;
+  BoundedVector<GraphLandmark> landmarks_;
+  BoundedVector<Point2> positions_;
+  BoundedVector<Standing> standing_;
+  BoundedVector<std::uint8_t> used_;
+  BoundedVector<std::uint32_t> free_;
+  BoundedVector<GraphPose> poses_;
+  BoundedVector<GraphSighting> sightings_;
+  std::uint64_t pose_head_ = 0;  // of the next pose; places are modulo the capacity
+  std::uint64_t pose_tail_ = 0;
+  std::uint64_t sighting_head_ = 0;
+  std::uint64_t sighting_tail_ = 0;
+  std::uint64_t turn_ = 0;  // of refit_in_turn
+  std::uint64_t folded_ = 0;
+  BoundedVector<double> system_;  // of the groups: normal equations, then their Cholesky factor
+  std::array<double, 3 * kGroupsMax> step_{};
+  std::array<Point2, kGroupsMax> middles_{};  // of the groups
+  std::array<double, kGroupsMax> members_{};
+  std::array<Eigen::Matrix3d, kGroupsMax> drift_{};
+  MapSlot drift_map_ = UINT16_MAX;
+  double offset_slope_ = 0.0;
+  double offset_information_ = 0.0;
+  std::uint32_t next_id_ = 0;
+
+ public:
+  [[nodiscard]] std::uint32_t next_id() const noexcept { return next_id_; }
+  void set_next_id(std::uint32_t id) noexcept { next_id_ = id; }
+};
+
+}  // namespace slamsensor::core
