@@ -48,11 +48,12 @@ enum class SearchMethod : std::uint8_t {
 /// Data association (DESIGN 2.3; the paper's section II-B).
 struct AssociationConfig {
   SearchMethod search = SearchMethod::Fast;
-  std::uint32_t index_neighbours = 6;  ///< of the fast search: neighbours that a landmark forms triangles with
+  std::uint32_t index_neighbours =
+      6;  ///< of the fast search: neighbours that a landmark forms triangles with
   std::uint64_t effort_max = 40'000'000;  ///< of the fast search: about nanoseconds after which it gives up
-  double tolerance_m = 0.5;    ///< epsilon: edge lengths and landmark positions agree within it
-  std::uint32_t depth = 2;     ///< edges join landmarks up to this many mesh steps apart
-  double order_share = 0.125;  ///< share of the vertex order that is searched for triangles
+  double tolerance_m = 0.5;               ///< epsilon: edge lengths and landmark positions agree within it
+  std::uint32_t depth = 2;                ///< edges join landmarks up to this many mesh steps apart
+  double order_share = 0.125;             ///< share of the vertex order that is searched for triangles
   PoseFit fit = PoseFit::Robust;
   CandidateRank rank = CandidateRank::Significance;
   bool exhaust_when_unsure = true;  ///< go on to the end of the order when the share gave no clear answer
@@ -67,9 +68,10 @@ enum class AcceptanceRule : std::uint8_t {
 
 struct AcceptanceConfig {
   AcceptanceRule rule = AcceptanceRule::Evidence;
-  double risk = 1e-6;          ///< expected wrong fixes per scan that are taken
-  double copy_size_m = 0.0;    ///< the largest thing that comes in copies; 0 = from the scan's density
-  double elsewhere_m = 1.0;    ///< a pose farther than this from the answer is elsewhere: one of the two is wrong
+  double risk = 1e-6;        ///< expected wrong fixes per scan that are taken
+  double copy_size_m = 0.0;  ///< the largest thing that comes in copies; 0 = from the scan's density
+  double elsewhere_m =
+      1.0;  ///< a pose farther than this from the answer is elsewhere: one of the two is wrong
   double elsewhere_rad = 2.0 * kDegree;  ///< a pose turned by more than this is elsewhere, too
 };
 

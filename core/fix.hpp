@@ -38,9 +38,10 @@ enum class FixReason : std::uint8_t {
 /// How the search for the pose ended.
 enum class SearchEnd : std::uint8_t { NotStarted, Complete, Share, Deadline };
 
-/// The one answer that all outputs are written from (DESIGN 3). The pose is that of the body B in the frame W of map
-/// number `map`. A fix is always one in the home map. Pose, covariances, `error_xi` and `map` mean something when `status`
-/// is Fix, when it is Ambiguous (the better of the poses), and when `reason` is LocalMap (the pose in the local map).
+/// The one answer that all outputs are written from (DESIGN 3). The pose is that of the body B in the frame W
+/// of map number `map`. A fix is always one in the home map. Pose, covariances, `error_xi` and `map` mean
+/// something when `status` is Fix, when it is Ambiguous (the better of the poses), and when `reason` is
+/// LocalMap (the pose in the local map).
 struct Fix {
   ScanTime time;
   std::uint32_t scan = 0;  ///< number of scans processed before this one
@@ -50,11 +51,11 @@ struct Fix {
   std::uint32_t map = 0;   ///< number of the map, from 1 on; 0 when there is no pose
   std::uint32_t home = 0;  ///< number of the home map; 0 while there is none
   Pose2 pose_W;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x m, y m, heading rad) in W, 1 sigma
-                                                         ///< squared, drift since the origin included
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();       ///< of (x m, y m, heading rad) in W, 1 sigma
+                                                              ///< squared, drift since the origin included
   Eigen::Matrix3d covariance_near = Eigen::Matrix3d::Zero();  ///< the same relative to the landmarks about it
   double protection_radius_m = 0.0;  ///< the position's error exceeds it with at most the configured risk
-  std::uint32_t error_xi = 0;                            ///< triangulations between the scan and the origin
+  std::uint32_t error_xi = 0;        ///< triangulations between the scan and the origin
   std::uint32_t matches = 0;
   std::uint32_t landmarks_seen = 0;
   std::uint32_t landmarks_in_map = 0;

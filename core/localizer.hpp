@@ -20,8 +20,8 @@ class Localizer {
   /// holds a point that is not finite or out of reach.
   [[nodiscard]] bool set_map(std::span<const Point2> map_W) noexcept;
 
-  /// The fix of a scan (heaviest landmarks first). `pose_W`, `matches` and the covariance are those of the best
-  /// candidate, whatever the status.
+  /// The fix of a scan (heaviest landmarks first). `pose_W`, `matches` and the covariance are those of the
+  /// best candidate, whatever the status.
   [[nodiscard]] Fix locate(std::span<const ScanLandmark> landmarks, const ScanView& view,
                            const Deadline& deadline) noexcept {
     return atlas_.process(landmarks, view, deadline);

@@ -4,7 +4,8 @@
 
 namespace slamsensor::core {
 
-Slam::Slam(Arena& arena, const Config& config) noexcept : detector_(arena, config.detection, config.capacities) {
+Slam::Slam(Arena& arena, const Config& config) noexcept
+    : detector_(arena, config.detection, config.capacities) {
   if (config.acceptance.rule == AcceptanceRule::Paper) {
     paper_.emplace(arena, config);
   } else {

@@ -19,14 +19,15 @@ namespace slamsensor::core {
 /// How the maps stand, for those who show it.
 struct MapsSummary {
   std::uint32_t home_landmarks = 0;
-  std::uint32_t hypotheses = 0;  ///< the paper's rule: kept ones; else the home map and the places of local maps
+  std::uint32_t hypotheses =
+      0;  ///< the paper's rule: kept ones; else the home map and the places of local maps
   std::uint32_t local_maps = 0;  ///< not tied to the home map
   std::uint32_t local_landmarks = 0;
 };
 
 /// The whole method: scanlines in, fixes out. What is believed is decided by the evidence (Atlas) or, where
-/// acceptance.rule is Paper, by the paper's literal rule (HypothesisSet). All memory is taken from the arena at
-/// construction; afterwards no call allocates, throws, locks or reads a clock. One thread.
+/// acceptance.rule is Paper, by the paper's literal rule (HypothesisSet). All memory is taken from the arena
+/// at construction; afterwards no call allocates, throws, locks or reads a clock. One thread.
 class Slam {
  public:
   Slam(Arena& arena, const Config& config) noexcept;
@@ -45,9 +46,10 @@ class Slam {
     scan_landmarks_ = {};
   }
 
-  /// The same as finish_scan for a scan whose landmarks were found elsewhere, heaviest first, and seen in `view`.
-  [[nodiscard]] Fix process(std::span<const ScanLandmark> landmarks, const ScanView& view, const ScanTime& time,
-                            const Deadline& deadline) noexcept;
+  /// The same as finish_scan for a scan whose landmarks were found elsewhere, heaviest first, and seen in
+  /// `view`.
+  [[nodiscard]] Fix process(std::span<const ScanLandmark> landmarks, const ScanView& view,
+                            const ScanTime& time, const Deadline& deadline) noexcept;
 
   /// The landmarks of the last finish_scan, heaviest first; valid until the next one.
   [[nodiscard]] std::span<const ScanLandmark> scan_landmarks() const noexcept { return scan_landmarks_; }
@@ -59,9 +61,9 @@ class Slam {
   /// Forgets maps and paths; the next scan starts a new map, unless frozen.
   void reset() noexcept;
 
-  /// Replaces all maps by the one that `state` was taken of; scans go on being counted from there, and the next one
-  /// finds itself in it. Refused, with its flaw, and nothing changed, when it is none that this configuration could have
-  /// made.
+  /// Replaces all maps by the one that `state` was taken of; scans go on being counted from there, and the
+  /// next one finds itself in it. Refused, with its flaw, and nothing changed, when it is none that this
+  /// configuration could have made.
   [[nodiscard]] MapCheck restore(const MapState& state) noexcept;
 
   /// Goes on with the best hypothesis alone, as if it had been restored.
@@ -71,12 +73,16 @@ class Slam {
   void set_frozen(Frozen frozen) noexcept;
   [[nodiscard]] Frozen frozen() const noexcept { return atlas_ ? atlas_->frozen() : paper_->frozen(); }
 
-  /// The home map as it stands, copied into `room`, whose spans are as long as the capacities. Takes time in proportion
-  /// to the map.
+  /// The home map as it stands, copied into `room`, whose spans are as long as the capacities. Takes time in
+  /// proportion to the map.
   [[nodiscard]] MapState copy_map(const MapRoom& room) const noexcept;
   /// Grows whenever the home map changes, and never falls.
-  [[nodiscard]] std::uint64_t revision() const noexcept { return atlas_ ? atlas_->revision() : paper_->revision(); }
-  [[nodiscard]] const Counters& counters() const noexcept { return atlas_ ? atlas_->counters() : paper_->counters(); }
+  [[nodiscard]] std::uint64_t revision() const noexcept {
+    return atlas_ ? atlas_->revision() : paper_->revision();
+  }
+  [[nodiscard]] const Counters& counters() const noexcept {
+    return atlas_ ? atlas_->counters() : paper_->counters();
+  }
   [[nodiscard]] MapsSummary maps() const noexcept;
 
  private:

@@ -21,7 +21,7 @@ struct Candidate {
   MatchList matches;                        ///< one to one, by increasing scan landmark
   std::array<std::uint32_t, 3> triangle{};  ///< the map landmarks that triangulated it first
   double residual_m2 = 0.0;                 ///< sum of squared distances over `matches`
-  double score = 0.0;        ///< of the fast search: log likelihood of its matches against chance
+  double score = 0.0;         ///< of the fast search: log likelihood of its matches against chance
   double log10_chance = 0.0;  ///< bound on the chance that a wrong pose does as well (significance.hpp)
 
   /// More matches are better; among equals the smaller residual (the paper).

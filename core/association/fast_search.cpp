@@ -15,19 +15,20 @@ constexpr std::uint64_t kWorkPerPose = 120;
 constexpr std::uint64_t kWorkPerMatch = 60;  // per landmark of the scan and round
 constexpr std::uint64_t kWorkPerDeadlineLook = 50'000;
 
-// With a clear leader a rival elsewhere would have shown by now: it shares a fifth of the leader's triangles or more,
-// so that each of these tries has that chance to meet it.
+// With a clear leader a rival elsewhere would have shown by now: it shares a fifth of the leader's triangles
+// or more, so that each of these tries has that chance to meet it.
 constexpr std::uint64_t kTrianglesEnough = 24;
 constexpr std::uint64_t kWorkEnough = 150'000;
 constexpr double kClearLead = 20.0;  // nats of likelihood against chance
 
-constexpr std::uint32_t kConfirmations = 2;   // landmarks beside the triangle that have to be where they should be
+constexpr std::uint32_t kConfirmations =
+    2;  // landmarks beside the triangle that have to be where they should be
 constexpr std::uint32_t kConfirmationTries = 8;
-constexpr double kLooseGate = 1.4;            // in tolerances: a pose of three landmarks is not precise
-constexpr std::uint32_t kFailuresMax = 3;     // tries at one place that may fail before it is left alone
-constexpr int kRounds = 4;                    // of matching and fitting
-constexpr std::uint32_t kMatchesMin = 4;      // three match by construction: only a fourth says anything
-constexpr double kRobustScale = 2.0;          // of the robust fit, in sigmas
+constexpr double kLooseGate = 1.4;         // in tolerances: a pose of three landmarks is not precise
+constexpr std::uint32_t kFailuresMax = 3;  // tries at one place that may fail before it is left alone
+constexpr int kRounds = 4;                 // of matching and fitting
+constexpr std::uint32_t kMatchesMin = 4;   // three match by construction: only a fourth says anything
+constexpr double kRobustScale = 2.0;       // of the robust fit, in sigmas
 
 /// Pairs of neighbours, the nearest first: (0,1), (0,2), (1,2), (0,3), ...
 struct Pair {
@@ -59,9 +60,9 @@ FastSearch::FastSearch(Arena& arena, const AssociationConfig& config, const Capa
   SLAMSENSOR_ASSERT(tried_.try_resize(tried_.capacity()));
 }
 
-void FastSearch::search(std::span<const Point2> scan, const LandmarkIndex& index, std::span<const Point2> positions,
-                        MapSlot except, const MatchModel& model, const Deadline& deadline,
-                        Candidates& found) noexcept {
+void FastSearch::search(std::span<const Point2> scan, const LandmarkIndex& index,
+                        std::span<const Point2> positions, MapSlot except, const MatchModel& model,
+                        const Deadline& deadline, Candidates& found) noexcept {
   scan_ = scan;
   index_ = &index;
   positions_ = positions;
@@ -117,8 +118,8 @@ void FastSearch::find_neighbourhoods() noexcept {
   }
 }
 
-/// Tries the triangle of a landmark with two of its neighbours, if its own corner may be the one opposite the longest
-/// side. True when the search is over.
+/// Tries the triangle of a landmark with two of its neighbours, if its own corner may be the one opposite the
+/// longest side. True when the search is over.
 bool FastSearch::try_pair(std::uint32_t apex, std::uint32_t i, std::uint32_t j, Candidates& found) noexcept {
   const Neighbour& p = neighbourhoods_[apex][i];
   const Neighbour& q = neighbourhoods_[apex][j];
@@ -160,19 +161,19 @@ bool FastSearch::is_over(Candidates& found) noexcept {
   return false;
 }
 
-void FastSearch::query(std::uint32_t apex, std::uint32_t second, std::uint32_t third, LandmarkIndex::Turn turn,
-                       Candidates& found) noexcept {
+void FastSearch::query(std::uint32_t apex, std::uint32_t second, std::uint32_t third,
+                       LandmarkIndex::Turn turn, Candidates& found) noexcept {
   LandmarkIndex::Sides sides;
   sides.longest_m = static_cast<float>((scan_[second] - scan_[third]).norm());
   sides.middle_m = static_cast<float>((scan_[second] - scan_[apex]).norm());
   sides.shortest_m = static_cast<float>((scan_[third] - scan_[apex]).norm());
-  const std::uint64_t entries = index_->visit_triangles(
-      sides, static_cast<float>(config_.tolerance_m), turn,
-      [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-        if (work_ < config_.effort_max && found.end != SearchEnd::Deadline) {
-          try_triangle({{apex, second, third}, {a, b, c}}, found);
-        }
-      });
+  const std::uint64_t entries =
+      index_->visit_triangles(sides, static_cast<float>(config_.tolerance_m), turn,
+                              [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+                                if (work_ < config_.effort_max && found.end != SearchEnd::Deadline) {
+                                  try_triangle({{apex, second, third}, {a, b, c}}, found);
+                                }
+                              });
   work_ += kWorkPerQuery + entries * kWorkPerEntry;
 }
 
@@ -184,7 +185,8 @@ void FastSearch::try_triangle(const Triangle& triangle, Candidates& found) noexc
   }
   // The pose by least squares over the three corners.
   const Point2 mean_B = (scan_[triangle.scan[0]] + scan_[triangle.scan[1]] + scan_[triangle.scan[2]]) / 3.0;
-  const Point2 mean_W = (positions_[triangle.map[0]] + positions_[triangle.map[1]] + positions_[triangle.map[2]]) / 3.0;
+  const Point2 mean_W =
+      (positions_[triangle.map[0]] + positions_[triangle.map[1]] + positions_[triangle.map[2]]) / 3.0;
   double dot = 0.0;
   double turned = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -225,7 +227,9 @@ bool FastSearch::is_confirmed(const RigidMotion& move, MapSlot map, const Triang
         continue;
       }
       double distance2 = 0.0;
-      hits += index_->nearest_within(map, move(scan_[n.index]), gate_m, distance2) != LandmarkIndex::kNone ? 1U : 0U;
+      hits += index_->nearest_within(map, move(scan_[n.index]), gate_m, distance2) != LandmarkIndex::kNone
+                  ? 1U
+                  : 0U;
       if (hits >= wanted) {
         return true;
       }
@@ -237,8 +241,8 @@ bool FastSearch::is_confirmed(const RigidMotion& move, MapSlot map, const Triang
   return hits >= wanted;
 }
 
-/// One-to-one matches under `pose` within the gate; of two that claim a landmark the nearer one has it. Returns the
-/// sum of squared distances.
+/// One-to-one matches under `pose` within the gate; of two that claim a landmark the nearer one has it.
+/// Returns the sum of squared distances.
 double FastSearch::match(const Pose2& pose, MapSlot map, double gate_m, MatchList& matches) noexcept {
   const std::size_t mask = claimed_slot_.size() - 1;
   ++claim_round_;
@@ -276,7 +280,8 @@ double FastSearch::match(const Pose2& pose, MapSlot map, double gate_m, MatchLis
   return sum;
 }
 
-void FastSearch::refine(const Pose2& pose, MapSlot map, const Triangle& triangle, Candidates& found) noexcept {
+void FastSearch::refine(const Pose2& pose, MapSlot map, const Triangle& triangle,
+                        Candidates& found) noexcept {
   Candidate candidate;
   candidate.map = map;
   candidate.pose_W = pose;
@@ -296,8 +301,8 @@ void FastSearch::refine(const Pose2& pose, MapSlot map, const Triangle& triangle
     candidate.pose_W = fit_pose_robust(candidate.pose_W, candidate.matches.span(), scan_, positions_,
                                        round == 0 ? gate_m : kRobustScale * model_.sigma_m);
   }
-  const double per_match = std::log(model_.detection /
-                                    (2.0 * std::numbers::pi * model_.sigma_m * model_.sigma_m * model_.density_per_m2));
+  const double per_match = std::log(
+      model_.detection / (2.0 * std::numbers::pi * model_.sigma_m * model_.sigma_m * model_.density_per_m2));
   candidate.residual_m2 = match(candidate.pose_W, map, tight_m, candidate.matches);
   candidate.score = per_match * (static_cast<double>(candidate.matches.size()) - 1.5) -
                     candidate.residual_m2 / (2.0 * model_.sigma_m * model_.sigma_m);
@@ -310,7 +315,9 @@ void FastSearch::refine(const Pose2& pose, MapSlot map, const Triangle& triangle
 FastSearch::Tried& FastSearch::tried_at(const RigidMotion& move, MapSlot map) noexcept {
   constexpr double kTurnCells = 16.0;  // per unit of sine and cosine: about 4 degrees
   const Point2 place = move(middle_) / std::max(0.5, config_.tolerance_m);
-  const auto cell = [](double v) { return static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(v))); };
+  const auto cell = [](double v) {
+    return static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(v)));
+  };
   const std::uint32_t x = cell(place.x());
   const std::uint32_t y = cell(place.y());
   const std::uint32_t turn = cell(move.cosine() * kTurnCells) * 64U + cell(move.sine() * kTurnCells);

@@ -16,7 +16,8 @@ GraphSearch::GraphSearch(Arena& arena, const AssociationConfig& config, const Ca
 }
 
 void GraphSearch::search(std::span<const Point2> scan, MapSlot map, std::span<const std::uint32_t> slots,
-                         std::span<const Point2> positions, const Deadline& deadline, Candidates& found) noexcept {
+                         std::span<const Point2> positions, const Deadline& deadline,
+                         Candidates& found) noexcept {
   points_.clear();
   for (const std::uint32_t slot : slots) {
     SLAMSENSOR_ASSERT(points_.try_push_back(positions[slot]));
@@ -47,7 +48,8 @@ void GraphSearch::search(std::span<const Point2> scan, MapSlot map, std::span<co
       found.list.truncate(kCandidatesMax - 1);
     }
     if (found.list.try_push_back(candidate)) {
-      for (std::size_t i = found.list.size() - 1; i > 0 && found.list[i - 1].score < found.list[i].score; --i) {
+      for (std::size_t i = found.list.size() - 1; i > 0 && found.list[i - 1].score < found.list[i].score;
+           --i) {
         std::swap(found.list[i - 1], found.list[i]);
       }
     }

@@ -7,8 +7,8 @@
 namespace slamsensor::core {
 namespace {
 
-// Share of the pairs of neighbours whose triangle has its longest side opposite the landmark: those seen at more than
-// about 60 degrees from each other.
+// Share of the pairs of neighbours whose triangle has its longest side opposite the landmark: those seen at
+// more than about 60 degrees from each other.
 constexpr double kTrianglesPerPair = 0.62;
 // Chunks are filled to this share on average; buckets that hold few entries waste most of one.
 constexpr double kChunkFill = 0.85;
@@ -19,19 +19,23 @@ std::uint32_t neighbours_of(const AssociationConfig& config) noexcept {
   return std::clamp(config.index_neighbours, 3U, LandmarkIndex::kNeighboursMax);
 }
 
-std::size_t chunks_for(const AssociationConfig& config, const Capacities& capacities, std::size_t chunk_entries) noexcept {
+std::size_t chunks_for(const AssociationConfig& config, const Capacities& capacities,
+                       std::size_t chunk_entries) noexcept {
   const double k = neighbours_of(config);
   const double entries = kTrianglesPerPair * 0.5 * k * (k - 1.0) * capacities.map_landmarks;
-  return kBucketChunks + static_cast<std::size_t>(entries / (kChunkFill * static_cast<double>(chunk_entries)));
+  return kBucketChunks +
+         static_cast<std::size_t>(entries / (kChunkFill * static_cast<double>(chunk_entries)));
 }
 
 }  // namespace
 
-LandmarkIndex::LandmarkIndex(Arena& arena, const AssociationConfig& config, const Capacities& capacities) noexcept
+LandmarkIndex::LandmarkIndex(Arena& arena, const AssociationConfig& config,
+                             const Capacities& capacities) noexcept
     : neighbours_max_(neighbours_of(config)),
       side_min_m_(std::min(kSideMin * config.tolerance_m, kSideMinLargest_m)),
       relink_move_m_(kRelinkMoveTolerances * config.tolerance_m),
-      cell_shift_(64U - static_cast<std::uint32_t>(std::bit_width(std::max(capacities.map_landmarks, 2U) - 1U))),
+      cell_shift_(64U -
+                  static_cast<std::uint32_t>(std::bit_width(std::max(capacities.map_landmarks, 2U) - 1U))),
       cells_(arena, "index: cells", std::size_t{1} << (64U - cell_shift_)),
       places_(arena, "index: places", capacities.map_landmarks),
       links_(arena, "index: links", capacities.map_landmarks),
@@ -118,8 +122,8 @@ void LandmarkIndex::erase(std::uint32_t slot) noexcept {
   unlist_triangles(slot);
 }
 
-/// Finds the landmark's neighbours, becomes a neighbour of those that it is nearer to than one of theirs, and lists
-/// its triangles.
+/// Finds the landmark's neighbours, becomes a neighbour of those that it is nearer to than one of theirs, and
+/// lists its triangles.
 void LandmarkIndex::link(std::uint32_t slot) noexcept {
   Links& links = links_[slot];
   links.x_m = places_[slot].x_m;
@@ -165,7 +169,8 @@ void LandmarkIndex::find_neighbours(std::uint32_t slot) noexcept {
   const auto rings = static_cast<std::int64_t>(kLinkRange_m / kCellSide_m) + 1;
   for (std::int64_t ring = 0; ring <= rings; ++ring) {
     const double seen_m = static_cast<double>(ring - 1) * kCellSide_m;
-    if (count == neighbours_max_ && ring > 1 && static_cast<double>(best[count - 1].distance2_m2) <= seen_m * seen_m) {
+    if (count == neighbours_max_ && ring > 1 &&
+        static_cast<double>(best[count - 1].distance2_m2) <= seen_m * seen_m) {
       break;
     }
     for (std::int64_t c = column - ring; c <= column + ring; ++c) {
@@ -187,7 +192,8 @@ void LandmarkIndex::offer_neighbour(std::uint32_t to, std::uint32_t slot) noexce
   const auto d2 = static_cast<double>(distance2(to, slot));
   Links& links = links_[to];
   if (to == slot || d2 < side_min_m_ * side_min_m_ || d2 > kLinkRange_m * kLinkRange_m ||
-      (links.count == neighbours_max_ && d2 >= static_cast<double>(distance2(to, links.neighbours[links.count - 1])))) {
+      (links.count == neighbours_max_ &&
+       d2 >= static_cast<double>(distance2(to, links.neighbours[links.count - 1])))) {
     return;
   }
   unlist_triangles(to);
@@ -207,21 +213,25 @@ void LandmarkIndex::unlink_from_others(std::uint32_t slot) noexcept {
                [&](std::uint32_t other, double) {
                  Links& links = links_[other];
                  const auto* const end = links.neighbours.begin() + links.count;
-                 if (other == slot || std::find(links.neighbours.begin(), links.neighbours.begin() + links.count, slot) == end) {
+                 if (other == slot || std::find(links.neighbours.begin(),
+                                                links.neighbours.begin() + links.count, slot) == end) {
                    return;
                  }
                  unlist_triangles(other);
                  find_neighbours(other);
-                 // Landmarks that moved meanwhile may have come nearer; a moved one must not find itself again.
-                 auto* const last = std::remove(links.neighbours.begin(), links.neighbours.begin() + links.count, slot);
+                 // Landmarks that moved meanwhile may have come nearer; a moved one must not find itself
+                 // again.
+                 auto* const last =
+                     std::remove(links.neighbours.begin(), links.neighbours.begin() + links.count, slot);
                  links.count = static_cast<std::uint32_t>(last - links.neighbours.begin());
                  list_triangles(other);
                });
 }
 
-/// The bucket and entry of the triangle of `apex` with its neighbours i and j, as they were linked. False when its
-/// corner is not opposite the longest side.
-bool LandmarkIndex::shape_of(std::uint32_t apex, std::uint32_t i, std::uint32_t j, Shape& shape) const noexcept {
+/// The bucket and entry of the triangle of `apex` with its neighbours i and j, as they were linked. False
+/// when its corner is not opposite the longest side.
+bool LandmarkIndex::shape_of(std::uint32_t apex, std::uint32_t i, std::uint32_t j,
+                             Shape& shape) const noexcept {
   const Links& a = links_[apex];
   const auto side = [](const Links& p, const Links& q) {
     const float dx = p.x_m - q.x_m;
@@ -250,8 +260,8 @@ bool LandmarkIndex::shape_of(std::uint32_t apex, std::uint32_t i, std::uint32_t 
   }
   const float turn = (b.x_m - a.x_m) * (c.y_m - a.y_m) - (b.y_m - a.y_m) * (c.x_m - a.x_m);
   shape.bucket = bucket_at(row, column);
-  shape.packed = (shortest << 20U) | ((longest % kFinePerBucket) << 15U) | ((middle % kFinePerBucket) << 10U) |
-                 (i << 4U) | (j << 1U) | (turn > 0.0F ? 1U : 0U);
+  shape.packed = (shortest << 20U) | ((longest % kFinePerBucket) << 15U) |
+                 ((middle % kFinePerBucket) << 10U) | (i << 4U) | (j << 1U) | (turn > 0.0F ? 1U : 0U);
   return true;
 }
 
@@ -337,10 +347,12 @@ std::uint64_t LandmarkIndex::triangle_entries(const Sides& sides, float window_m
   };
   std::uint64_t count = 0;
   const std::uint32_t row = row_of(sides.longest_m);
-  for (std::uint32_t c = buckets_[bucket_at(row, std::min(row, row_of(sides.middle_m)))]; c != kNone; c = chunks_[c].next) {
+  for (std::uint32_t c = buckets_[bucket_at(row, std::min(row, row_of(sides.middle_m)))]; c != kNone;
+       c = chunks_[c].next) {
     count += chunks_[c].count;
   }
-  return count * static_cast<std::uint64_t>(std::max(1.0F, 4.0F * window_m * window_m * kBucketsPerM * kBucketsPerM));
+  return count *
+         static_cast<std::uint64_t>(std::max(1.0F, 4.0F * window_m * window_m * kBucketsPerM * kBucketsPerM));
 }
 
 }  // namespace slamsensor::core

@@ -12,26 +12,27 @@
 
 namespace slamsensor::core {
 
-/// Number of a map among those that are kept at once. Landmarks of different maps have nothing to do with each
-/// other until the maps are tied.
+/// Number of a map among those that are kept at once. Landmarks of different maps have nothing to do with
+/// each other until the maps are tied.
 using MapSlot = std::uint16_t;
 
-/// What the fast search looks up: the landmarks of all maps by place, and by the triangles that they form with
-/// their neighbours. It follows the maps: each change costs as much as the neighbourhood of the landmark that
-/// changed, never as much as the map. One thread; no allocation after construction.
+/// What the fast search looks up: the landmarks of all maps by place, and by the triangles that they form
+/// with their neighbours. It follows the maps: each change costs as much as the neighbourhood of the landmark
+/// that changed, never as much as the map. One thread; no allocation after construction.
 ///
-/// Triangles. A landmark is linked to its `index_neighbours` nearest (at least kSideMin tolerances away, at most
-/// kLinkRange_m). It is the apex of each triangle with two of them in which its own corner lies opposite the
-/// longest side, so that a triangle is listed once, however it is turned. Triangles lie in buckets by their
-/// longest and middle side; an entry carries all three sides to 1/64 m, so that nearly all are refused without a
-/// look at a landmark. Memory: a landmark takes 16 bytes of place, 44 of links and about 66 of triangles.
+/// Triangles. A landmark is linked to its `index_neighbours` nearest (at least kSideMin tolerances away, at
+/// most kLinkRange_m). It is the apex of each triangle with two of them in which its own corner lies opposite
+/// the longest side, so that a triangle is listed once, however it is turned. Triangles lie in buckets by
+/// their longest and middle side; an entry carries all three sides to 1/64 m, so that nearly all are refused
+/// without a look at a landmark. Memory: a landmark takes 16 bytes of place, 44 of links and about 66 of
+/// triangles.
 class LandmarkIndex {
  public:
   static constexpr std::uint32_t kNone = UINT32_MAX;
   static constexpr std::uint32_t kNeighboursMax = 8;  ///< two of them are three bits each in an entry
   static constexpr double kLinkRange_m = 40.0;        ///< longer sides are not linked
-  static constexpr double kSideMin = 2.0;             ///< in tolerances: shorter sides say nothing of a heading
-  static constexpr double kSideMinLargest_m = 2.0;    ///< however large the tolerance is
+  static constexpr double kSideMin = 2.0;           ///< in tolerances: shorter sides say nothing of a heading
+  static constexpr double kSideMinLargest_m = 2.0;  ///< however large the tolerance is
 
   /// A triangle as it is asked for. Sides in m, longest >= middle >= shortest up to the window.
   struct Sides {
@@ -43,10 +44,11 @@ class LandmarkIndex {
 
   LandmarkIndex(Arena& arena, const AssociationConfig& config, const Capacities& capacities) noexcept;
 
-  /// Lists the landmark in `slot` (below capacities.map_landmarks, not listed). `p` is in the frame of `map`, m.
+  /// Lists the landmark in `slot` (below capacities.map_landmarks, not listed). `p` is in the frame of `map`,
+  /// m.
   void insert(std::uint32_t slot, MapSlot map, const Point2& p) noexcept;
-  /// The landmark stands at `p` now. Look-ups by place follow at once; its triangles when it has moved by more
-  /// than a quarter of the tolerance since they were listed.
+  /// The landmark stands at `p` now. Look-ups by place follow at once; its triangles when it has moved by
+  /// more than a quarter of the tolerance since they were listed.
   void move(std::uint32_t slot, const Point2& p) noexcept;
   void erase(std::uint32_t slot) noexcept;
   void clear() noexcept;
@@ -60,8 +62,9 @@ class LandmarkIndex {
   template <typename Visit>
   void visit_within(MapSlot map, const Point2& p, double radius_m, Visit&& visit) const noexcept;
 
-  /// Calls `visit(apex, second, third)` for each listed triangle whose sides agree with `sides` within `window_m`
-  /// and that turns as asked (apex, second, third). Returns the number of entries that were looked at.
+  /// Calls `visit(apex, second, third)` for each listed triangle whose sides agree with `sides` within
+  /// `window_m` and that turns as asked (apex, second, third). Returns the number of entries that were looked
+  /// at.
   template <typename Visit>
   std::uint64_t visit_triangles(const Sides& sides, float window_m, Turn turn, Visit&& visit) const noexcept;
 
@@ -95,8 +98,9 @@ class LandmarkIndex {
     std::uint32_t count;
     std::array<std::uint32_t, kNeighboursMax> neighbours;
   };
-  /// sides: 13 bits of the longest, 13 of the middle, 12 of the shortest (within 64 m), 1/64 m; 6 bits of the pair;
-  /// 1 of the turn. Together with the apex 77 bits: the two larger ones are stored relative to their bucket.
+  /// sides: 13 bits of the longest, 13 of the middle, 12 of the shortest (within 64 m), 1/64 m; 6 bits of the
+  /// pair; 1 of the turn. Together with the apex 77 bits: the two larger ones are stored relative to their
+  /// bucket.
   struct Entry {
     std::uint32_t apex;
     std::uint32_t packed;
@@ -140,7 +144,8 @@ class LandmarkIndex {
   void unlink_from_others(std::uint32_t slot) noexcept;
   void list_triangles(std::uint32_t slot) noexcept;
   void unlist_triangles(std::uint32_t slot) noexcept;
-  [[nodiscard]] bool shape_of(std::uint32_t apex, std::uint32_t i, std::uint32_t j, Shape& shape) const noexcept;
+  [[nodiscard]] bool shape_of(std::uint32_t apex, std::uint32_t i, std::uint32_t j,
+                              Shape& shape) const noexcept;
   void add_entry(const Shape& shape, std::uint32_t apex) noexcept;
   void remove_entry(const Shape& shape, std::uint32_t apex) noexcept;
   [[nodiscard]] float distance2(std::uint32_t a, std::uint32_t b) const noexcept;
@@ -161,7 +166,8 @@ class LandmarkIndex {
 };
 
 template <typename Visit>
-void LandmarkIndex::visit_within(MapSlot map, const Point2& p, double radius_m, Visit&& visit) const noexcept {
+void LandmarkIndex::visit_within(MapSlot map, const Point2& p, double radius_m,
+                                 Visit&& visit) const noexcept {
   const std::int64_t column_end = cell_floor(p.x() + radius_m);
   const std::int64_t row_end = cell_floor(p.y() + radius_m);
   const double radius2 = radius_m * radius_m;
@@ -176,7 +182,8 @@ void LandmarkIndex::visit_within(MapSlot map, const Point2& p, double radius_m, 
         const float dx = place.x_m - x_m;
         const float dy = place.y_m - y_m;
         const auto d2 = static_cast<double>(dx * dx + dy * dy);
-        if (d2 <= radius2 && place.map == map && cell_floor(place.x_m) == column && cell_floor(place.y_m) == row) {
+        if (d2 <= radius2 && place.map == map && cell_floor(place.x_m) == column &&
+            cell_floor(place.y_m) == row) {
           visit(slot, d2);  // a chain may hold several cells: each visits its own
         }
       }
@@ -211,8 +218,8 @@ std::uint64_t LandmarkIndex::visit_triangles(const Sides& sides, float window_m,
           const auto shortest = static_cast<std::int32_t>(packed >> 20U);
           const auto longest = static_cast<std::int32_t>(row * kFinePerBucket + ((packed >> 15U) & 31U));
           const auto middle = static_cast<std::int32_t>(column * kFinePerBucket + ((packed >> 10U) & 31U));
-          if (shortest < shortest_low || shortest > shortest_high || longest < longest_low || longest > longest_high ||
-              middle < middle_low || middle > middle_high) {
+          if (shortest < shortest_low || shortest > shortest_high || longest < longest_low ||
+              longest > longest_high || middle < middle_low || middle > middle_high) {
             continue;
           }
           const Turn has = (packed & 1U) != 0 ? Turn::CounterClockwise : Turn::Clockwise;

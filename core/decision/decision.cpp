@@ -7,25 +7,26 @@
 namespace slamsensor::core {
 namespace {
 
-constexpr double kCopyDecades = 3.0;     // stage 2
+constexpr double kCopyDecades = 3.0;  // stage 2
 constexpr double kTieDecades = 3.0;
 constexpr double kUsualContradiction = 1.0;  // the decades that a right pose shows by chance
-constexpr double kRivalDecades = 2.0;    // stage 3: what makes a place a rival ...
-constexpr double kRivalShare = 0.5;      // ... unless the answer explains the witnesses by this much more decades ...
-constexpr double kRivalMargin = 1.0;     // ... and how much more has to contradict it
-constexpr double kSigmas = 3.0;          // of a pose, which stay within what is called right
+constexpr double kRivalDecades = 2.0;        // stage 3: what makes a place a rival ...
+constexpr double kRivalShare =
+    0.5;  // ... unless the answer explains the witnesses by this much more decades ...
+constexpr double kRivalMargin = 1.0;  // ... and how much more has to contradict it
+constexpr double kSigmas = 3.0;       // of a pose, which stay within what is called right
 constexpr double kLocalSigmas = 1.0;
-constexpr double kLocalRisk = 1e-4;      // of a scan in a local map, or that shows again what was just seen
-constexpr double kTieRiskShare = 1e-3;   // of the risk of a fix: a tie binds many scans
+constexpr double kLocalRisk = 1e-4;     // of a scan in a local map, or that shows again what was just seen
+constexpr double kTieRiskShare = 1e-3;  // of the risk of a fix: a tie binds many scans
 constexpr double kLocalContradiction = 4.0;  // decades against a scan in a local map
-constexpr double kAgainDecades = 1.0;         // two groups: a single one may be a copy
-constexpr double kUnlikeDecades = 2.0;        // three groups
+constexpr double kAgainDecades = 1.0;        // two groups: a single one may be a copy
+constexpr double kUnlikeDecades = 2.0;       // three groups
 constexpr double kUnlikeContradiction = 5.0;
-constexpr double kUnlikeStructure = 7.0;      // of a world that hardly repeats itself
-constexpr double kUnlikeMargin = 6.0;         // decades above what wrong places of this world reach
+constexpr double kUnlikeStructure = 7.0;  // of a world that hardly repeats itself
+constexpr double kUnlikeMargin = 6.0;     // decades above what wrong places of this world reach
 constexpr double kUnlikeTieMargin = 9.0;
 constexpr double kTieContradiction = 2.0;    // and against a tie
-constexpr double kAgainContradiction = 2.0;  // and against one that shows again what was just seen
+constexpr double kAgainContradiction = 5.0;  // and against one that shows again what was just seen
 
 double decades_of(double nats) noexcept {
   return nats / std::numbers::ln10;
@@ -80,7 +81,8 @@ std::size_t best_in(std::span<const Weighed> weighed, MapSlot map) noexcept {
   return best;
 }
 
-double runner_up_decades(std::span<const Weighed> weighed, std::size_t chosen, const AcceptanceConfig& config) noexcept {
+double runner_up_decades(std::span<const Weighed> weighed, std::size_t chosen,
+                         const AcceptanceConfig& config) noexcept {
   double nats = 0.0;
   for (const Weighed& other : weighed) {
     if (other.candidate.map == weighed[chosen].candidate.map &&
@@ -103,7 +105,8 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   const auto is_rival = [&](const Weighed& other) {
     if (other.candidate.map != map) {
       // Another map may hold the same place. Where the world repeats itself that has to be shown first.
-      return stake == Stake::Fix && structure_decades >= kUnlikeStructure && other.candidate.matches.size() >= 3;
+      return stake == Stake::Fix && structure_decades >= kUnlikeStructure &&
+             other.candidate.matches.size() >= 3;
     }
     return &other != &best && elsewhere(other.candidate.pose_W, best.candidate.pose_W, config);
   };
@@ -125,9 +128,10 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   if (!is_precise(best.evidence, stake, config)) {
     return refuse(verdict, FixStatus::NoFix, FixReason::TooFewLandmarks);
   }
-  const bool is_unlike_others = best.evidence.group_decades >= (stake == Stake::Tie ? kTieDecades : kUnlikeDecades) && contradictions <= kUnlikeContradiction &&
-                                structure_decades <= kUnlikeStructure &&
-                                -chance >= structure_decades + (stake == Stake::Tie ? kUnlikeTieMargin : kUnlikeMargin);
+  const bool is_unlike_others =
+      best.evidence.group_decades >= (stake == Stake::Tie ? kTieDecades : kUnlikeDecades) &&
+      contradictions <= kUnlikeContradiction && structure_decades <= kUnlikeStructure &&
+      -chance >= structure_decades + (stake == Stake::Tie ? kUnlikeTieMargin : kUnlikeMargin);
   if ((stake == Stake::Local && contradictions > kLocalContradiction) ||
       (stake == Stake::Tie && !is_unlike_others && contradictions > kTieContradiction)) {
     return refuse(verdict, FixStatus::NoFix, FixReason::NoOverlap);
@@ -137,12 +141,14 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   }
   const double rival_decades = std::max(kRivalDecades, kRivalShare * -chance);
   for (const Weighed& other : weighed) {
-    if (stake != Stake::Local && !is_seen_again && is_rival(other) && decades_of(other.evidence.ln_bayes) >= rival_decades &&
+    if (stake != Stake::Local && !is_seen_again && is_rival(other) &&
+        decades_of(other.evidence.ln_bayes) >= rival_decades &&
         other.evidence.contradiction_decades() < contradictions + kRivalMargin) {
       return refuse(verdict, FixStatus::Ambiguous, FixReason::Symmetric);
     }
   }
-  if (stake != Stake::Local && !is_seen_again && !is_unlike_others && copies < (stake == Stake::Tie ? kTieDecades : kCopyDecades)) {
+  if (stake != Stake::Local && !is_seen_again && !is_unlike_others &&
+      copies < (stake == Stake::Tie ? kTieDecades : kCopyDecades)) {
     return refuse(verdict, FixStatus::Ambiguous, FixReason::Copy);
   }
   verdict.status = FixStatus::Fix;

@@ -17,36 +17,42 @@ struct Weighed {
 struct Verdict {
   FixStatus status = FixStatus::NoFix;
   FixReason reason = FixReason::NoOverlap;
-  std::size_t chosen = SIZE_MAX;     ///< the best candidate in that map; none when there is none
-  double log10_expected_wrong = 0.0; ///< expected wrong fixes if all such answers were believed, at most 0
+  std::size_t chosen = SIZE_MAX;      ///< the best candidate in that map; none when there is none
+  double log10_expected_wrong = 0.0;  ///< expected wrong fixes if all such answers were believed, at most 0
 };
 
 /// How much a decision binds.
 enum class Stake : std::uint8_t {
   Fix,    ///< a fix in the home map
-  Again,  ///< the same of a scan that shows again what the scan before it showed, which was believed in this map
+  Again,  ///< the same of a scan that shows again what the scan before it showed, which was believed in this
+          ///< map
   Local,  ///< one more scan of a local map: it binds nothing until the map is tied
   Tie,    ///< two maps become one: many scans are bound at once
 };
 
-/// The decision (DESIGN 2.4), in three stages, each of which must be passed by the leading candidate of `map`:
+/// The decision (DESIGN 2.4), in three stages, each of which must be passed by the leading candidate of
+/// `map`:
 ///
-/// 1. Chance. The posterior odds against all other places and an unmapped one, BF / (1 + sum of the others), exceed
+/// 1. Chance. The posterior odds against all other places and an unmapped one, BF / (1 + sum of the others),
+/// exceed
 ///    1 / risk.
-/// 2. A copy that was never mapped. Independent groups of matches less the decades of contradiction reach three decades
-///    (a tie: four). Of a scan that shows again what the scan before showed only that nothing contradicts it is asked: to
-///    be wrong, the carrier must have been taken to a perfect copy between the two. Where the world does not repeat
-///    itself (`structure_decades`, Rates) three groups, each as wide as a copse, are enough when nothing contradicts
-///    them and the answer explains the witnesses by far more than wrong places ever did. Not asked of a local map.
+/// 2. A copy that was never mapped. Independent groups of matches less the decades of contradiction reach
+/// three decades
+///    (a tie: four). Of a scan that shows again what the scan before showed only that nothing contradicts it
+///    is asked: to be wrong, the carrier must have been taken to a perfect copy between the two. Where the
+///    world does not repeat itself (`structure_decades`, Rates) three groups, each as wide as a copse, are
+///    enough when nothing contradicts them and the answer explains the witnesses by far more than wrong
+///    places ever did. Not asked of a local map.
 /// 3. A copy that was mapped. Every other place that explains the witnesses hundredfold better than chance is
-///    contradicted by a decade more than the answer is; raw odds mislead here, because what is missing at one place may
-///    be new ground at the other.
+///    contradicted by a decade more than the answer is; raw odds mislead here, because what is missing at one
+///    place may be new ground at the other.
 ///
 /// And three sigma of the pose beside its landmarks stay within what is called right.
 [[nodiscard]] Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, SearchEnd end,
                              double structure_decades, const AcceptanceConfig& config) noexcept;
 
-/// Decades by which the best place elsewhere in the map of `chosen` explains the witnesses; 0 when there is none.
+/// Decades by which the best place elsewhere in the map of `chosen` explains the witnesses; 0 when there is
+/// none.
 [[nodiscard]] double runner_up_decades(std::span<const Weighed> weighed, std::size_t chosen,
                                        const AcceptanceConfig& config) noexcept;
 

@@ -13,17 +13,22 @@ namespace {
 
 constexpr double kGateSigmas = 3.7;  // beyond, a match explains less than no match
 constexpr int kRounds = 4;
-constexpr double kSigmaPrior = 12.0;      // axes that the learned spread counts as
-constexpr double kContradictionPrior = 25.0;  // pseudo-observations of the beta distributions
-constexpr double kHalfWidth_m = 0.3;      // of what stands in the way
-// The size of what may come in copies where nothing is set: a copse, a bicycle stand, a parking bay. In a complete survey
-// copies are all known, and what is left is chance: this share of the mean spacing.
+constexpr double kSigmaPrior = 12.0;  // axes that the learned spread counts as
+// Pseudo-observations of the beta distributions: few while nothing is known of this world, more with
+// experience.
+constexpr double kContradictionPrior = 4.0;
+constexpr double kContradictionLearned = 0.1;  // per observation ...
+constexpr double kContradictionMost = 25.0;    // ... up to so many in all
+constexpr double kHalfWidth_m = 0.3;           // of what stands in the way
+// The size of what may come in copies where nothing is set: a copse, a bicycle stand, a parking bay. In a
+// complete survey copies are all known, and what is left is chance: this share of the mean spacing.
 constexpr double kCopy_m = 15.0;
 constexpr double kCopyShare = 0.8;
 constexpr double kGroupCap = std::numbers::ln10;  // a group is worth one decade at most
-constexpr double kConfirmedClutter = 0.05;  // share of the confirmed landmarks that another map may lack at least ...
-constexpr double kConfirmedShare = 0.5;     // ... or this share of what a scan's landmarks may
-constexpr double kLookedAt = 0.5;         // explored this much, ground counts as explored
+constexpr double kConfirmedClutter =
+    0.05;  // share of the confirmed landmarks that another map may lack at least ...
+constexpr double kConfirmedShare = 0.5;  // ... or this share of what a scan's landmarks may
+constexpr double kLookedAt = 0.5;        // explored this much, ground counts as explored
 
 /// ln Gamma for x >= 0.5 (Stirling with two terms after shifting up; error below 1e-7).
 double ln_gamma(double x) noexcept {
@@ -33,13 +38,18 @@ double ln_gamma(double x) noexcept {
     x += 1.0;
   }
   const double inverse = 1.0 / x;
-  return shift + (x - 0.5) * std::log(x) - x + 0.5 * std::log(2.0 * std::numbers::pi) +
-         inverse / 12.0 - inverse * inverse * inverse / 360.0;
+  return shift + (x - 0.5) * std::log(x) - x + 0.5 * std::log(2.0 * std::numbers::pi) + inverse / 12.0 -
+         inverse * inverse * inverse / 360.0;
 }
 
 /// A witness' spread is one part of a match's variance, the landmark's own the other.
 double variance_share(const Standing& standing, double sigma_share) noexcept {
   return sigma_share * sigma_share + 1.0 / static_cast<double>(std::max(1U, standing.sightings));
+}
+
+/// How firmly the learned shares are believed.
+double experience(double observations) noexcept {
+  return std::min(kContradictionMost, kContradictionPrior + kContradictionLearned * observations);
 }
 
 /// Without a field of view the sensor looks where it has ever seen a landmark.
@@ -54,8 +64,8 @@ bool is_looked_at(const ScanView& view, const Rates& rates, const Point2& p_L) n
 struct EvidenceScale::Scene {
   const Witnesses& witnesses;
   const Maps& maps;
-  double reach_m = 0.0;      // the farthest witness
-  double area_m2 = 0.0;      // of the witnesses' field
+  double reach_m = 0.0;  // the farthest witness
+  double area_m2 = 0.0;  // of the witnesses' field
   double density_per_m2 = 0.0;
 };
 
@@ -70,7 +80,8 @@ double chance_to_be_shown(const Rates& rates, const Standing& standing, double r
   return std::clamp(own * rates.detection(range_m) / mean, 0.02, 0.97);
 }
 
-double log10_beta_binomial_tail(std::uint32_t trials, std::uint32_t hits, double mean, double weight) noexcept {
+double log10_beta_binomial_tail(std::uint32_t trials, std::uint32_t hits, double mean,
+                                double weight) noexcept {
   if (hits == 0 || trials == 0) {
     return 0.0;
   }
@@ -167,12 +178,13 @@ void EvidenceScale::fit(const Scene& scene, double sigma_m, Candidate& candidate
                                      scene.maps.positions, kRobustSigmas * sigma_m);
 }
 
-void EvidenceScale::weigh_matches(const Scene& scene, const Candidate& candidate, Evidence& evidence) noexcept {
+void EvidenceScale::weigh_matches(const Scene& scene, const Candidate& candidate,
+                                  Evidence& evidence) noexcept {
   const Rates& rates = scene.maps.rates;
   const RigidMotion move(candidate.pose_W);
   const double start_m = rates.sigma_m(start_sigma_m());
   ln_density_ = std::log(scene.density_per_m2);
-  double scaled2 = 0.0;    // squared residuals over their variance share
+  double scaled2 = 0.0;  // squared residuals over their variance share
   double ln_shares = 0.0;
   double ln_shown = 0.0;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
@@ -202,7 +214,8 @@ void EvidenceScale::weigh_matches(const Scene& scene, const Candidate& candidate
                       alpha * std::log(beta) - (alpha + 0.5 * freedom) * std::log(beta + 0.5 * scaled2) -
                       0.5 * freedom * std::log(2.0 * std::numbers::pi) - 0.5 * std::log(determinant) -
                       std::log(2.0 * std::numbers::pi * std::max(scene.maps.ground.area_m2(), scene.area_m2));
-  const double variance = (kSigmaPrior * start_m * start_m + scaled2) / (kSigmaPrior + std::max(0.0, freedom));
+  const double variance =
+      (kSigmaPrior * start_m * start_m + scaled2) / (kSigmaPrior + std::max(0.0, freedom));
   evidence.sigma_m = std::sqrt(variance);
   Eigen::Matrix3d inverse;
   bool is_invertible = false;
@@ -214,12 +227,14 @@ void EvidenceScale::weigh_matches(const Scene& scene, const Candidate& candidate
   }
 }
 
-void EvidenceScale::weigh_unmatched(const Scene& scene, const Candidate& candidate, Evidence& evidence) const noexcept {
+void EvidenceScale::weigh_unmatched(const Scene& scene, const Candidate& candidate,
+                                    Evidence& evidence) const noexcept {
   const RigidMotion move(candidate.pose_W);
   // A landmark that two scans saw is hardly ever nothing.
-  const double clutter = scene.witnesses.view != nullptr
-                             ? scene.maps.rates.clutter_share()
-                             : std::max(kConfirmedClutter, kConfirmedShare * scene.maps.rates.clutter_share());
+  const double clutter =
+      scene.witnesses.view != nullptr
+          ? scene.maps.rates.clutter_share()
+          : std::max(kConfirmedClutter, kConfirmedShare * scene.maps.rates.clutter_share());
   double expected = 0.0;
   std::size_t m = 0;
   const std::span<const Point2> points = scene.witnesses.points_B;
@@ -237,11 +252,12 @@ void EvidenceScale::weigh_unmatched(const Scene& scene, const Candidate& candida
     }
   }
   evidence.ln_bayes += (1.0 - clutter) * expected;
-  evidence.log10_unmatched =
-      log10_beta_binomial_tail(evidence.explored, evidence.unmatched, clutter, kContradictionPrior);
+  evidence.log10_unmatched = log10_beta_binomial_tail(evidence.explored, evidence.unmatched, clutter,
+                                                      experience(scene.maps.rates.clutter_count));
 }
 
-void EvidenceScale::weigh_missing(const Scene& scene, const Candidate& candidate, Evidence& evidence) const noexcept {
+void EvidenceScale::weigh_missing(const Scene& scene, const Candidate& candidate,
+                                  Evidence& evidence) const noexcept {
   const Pose2 T_B_W = candidate.pose_W.inverse();
   const Witnesses& witnesses = scene.witnesses;
   double expected_missing = 0.0;
@@ -252,7 +268,8 @@ void EvidenceScale::weigh_missing(const Scene& scene, const Candidate& candidate
         const double range_m = p_L.norm();
         double looked = 1.0;
         if (witnesses.view != nullptr) {
-          looked = range_m <= scene.reach_m && is_looked_at(*witnesses.view, scene.maps.rates, p_L) ? 1.0 : 0.0;
+          looked =
+              range_m <= scene.reach_m && is_looked_at(*witnesses.view, scene.maps.rates, p_L) ? 1.0 : 0.0;
         } else {
           looked = scene.maps.ground.explored(witnesses.own_map, witnesses.T_own_B * p_B);
         }
@@ -262,8 +279,11 @@ void EvidenceScale::weigh_missing(const Scene& scene, const Candidate& candidate
         const Standing& standing = scene.maps.standing[slot];
         const double once = chance_to_be_shown(scene.maps.rates, standing, range_m);
         // A map that looked at the mean landmark with chance `looked` looked at this one as often.
-        const double looks = std::log1p(-std::min(looked, 0.999)) / std::log1p(-scene.maps.rates.mean_detection());
-        const double shown = witnesses.view != nullptr ? once : (1.0 - kConfirmedClutter) * (1.0 - std::pow(1.0 - once, looks));
+        const double looks =
+            std::log1p(-std::min(looked, 0.999)) / std::log1p(-scene.maps.rates.mean_detection());
+        const double shown = witnesses.view != nullptr
+                                 ? once
+                                 : (1.0 - kConfirmedClutter) * (1.0 - std::pow(1.0 - once, looks));
         ++evidence.in_view;
         expected_missing += 1.0 - shown;
         const bool is_matched = std::any_of(candidate.matches.begin(), candidate.matches.end(),
@@ -274,13 +294,16 @@ void EvidenceScale::weigh_missing(const Scene& scene, const Candidate& candidate
         }
       });
   if (evidence.in_view > 0) {
-    evidence.log10_missing = log10_beta_binomial_tail(evidence.in_view, evidence.missing,
-                                                      expected_missing / evidence.in_view, kContradictionPrior);
+    evidence.log10_missing =
+        log10_beta_binomial_tail(evidence.in_view, evidence.missing, expected_missing / evidence.in_view,
+                                 experience(scene.maps.rates.clutter_count));
   }
 }
 
-/// Matches within the size of a copy of the strongest are one group, then those within it of the strongest that is left.
-double EvidenceScale::group_decades(const Scene& scene, const Candidate& candidate, double copy_m) const noexcept {
+/// Matches within the size of a copy of the strongest are one group, then those within it of the strongest
+/// that is left.
+double EvidenceScale::group_decades(const Scene& scene, const Candidate& candidate,
+                                    double copy_m) const noexcept {
   std::array<bool, kScanLandmarksMax> taken{};
   double sum = 0.0;
   double largest = 0.0;

@@ -11,10 +11,10 @@
 
 namespace slamsensor::core {
 
-/// How well the ground of each map has been looked at: cells of 4 m with the chance that a landmark standing there
-/// would have been seen by now. What has no counterpart on explored ground speaks against a pose; on new ground it says
-/// nothing. A hash of 8 bytes a cell; a full table counts what it leaves out, which then counts as new ground. One
-/// thread; no allocation after construction.
+/// How well the ground of each map has been looked at: cells of 4 m with the chance that a landmark standing
+/// there would have been seen by now. What has no counterpart on explored ground speaks against a pose; on
+/// new ground it says nothing. A hash of 8 bytes a cell; a full table counts what it leaves out, which then
+/// counts as new ground. One thread; no allocation after construction.
 class ExploredGround {
  public:
   static constexpr double kCell_m = 4.0;
@@ -92,7 +92,9 @@ class ExploredGround {
     };
     return (((cell(p.x()) << 20U) | cell(p.y())) << 16U) | (static_cast<Key>(map & 0x7FFFU) << 1U) | 1U;
   }
-  [[nodiscard]] static MapSlot map_of(Key key) noexcept { return static_cast<MapSlot>((key >> 1U) & 0x7FFFU); }
+  [[nodiscard]] static MapSlot map_of(Key key) noexcept {
+    return static_cast<MapSlot>((key >> 1U) & 0x7FFFU);
+  }
   [[nodiscard]] std::size_t first(Key key) const noexcept {
     Key h = key * 0x9E3779B97F4A7C15U;
     h ^= h >> 32U;

@@ -10,26 +10,26 @@
 
 namespace slamsensor::core {
 
-/// What has been learned of how scans show a map: the spread of matched landmarks, the share of landmarks that have no
-/// counterpart, the share of the map's landmarks that a scan shows, by range and bearing, and how far a trunk's near
-/// face is from its centre. Each starts from a prior worth a number of observations, is bounded, and forgets slowly, so
-/// that it follows a change of the world. Kept with the map. Plain values.
+/// What has been learned of how scans show a map: the spread of matched landmarks, the share of landmarks
+/// that have no counterpart, the share of the map's landmarks that a scan shows, by range and bearing, and
+/// how far a trunk's near face is from its centre. Each starts from a prior worth a number of observations,
+/// is bounded, and forgets slowly, so that it follows a change of the world. Kept with the map. Plain values.
 struct Rates {
   static constexpr std::size_t kRangeBins = 16;
   static constexpr double kRangeBin_m = 6.0;  // the last bin has all that is farther
   static constexpr std::size_t kBearingBins = 36;
 
-  double spread_m2 = 0.0;       ///< sum of squared residuals over both axes, per axis count below
-  double spread_count = 0.0;    ///< observations behind it, axes
-  double clutter = 0.0;         ///< landmarks of scans without a counterpart on explored ground
-  double clutter_count = 0.0;   ///< landmarks of scans on explored ground
+  double spread_m2 = 0.0;                   ///< sum of squared residuals over both axes, per axis count below
+  double spread_count = 0.0;                ///< observations behind it, axes
+  double clutter = 0.0;                     ///< landmarks of scans without a counterpart on explored ground
+  double clutter_count = 0.0;               ///< landmarks of scans on explored ground
   std::array<float, kRangeBins> shown{};    ///< landmarks of the map that were seen, by range
   std::array<float, kRangeBins> in_view{};  ///< landmarks of the map that could have been seen, by range
-  double second = 0.0;        ///< landmarks seen once that the next scan in view showed again
-  double second_count = 0.0;  ///< chances for it
+  double second = 0.0;                      ///< landmarks seen once that the next scan in view showed again
+  double second_count = 0.0;                ///< chances for it
   std::array<float, kBearingBins> bearings{};  ///< landmarks of scans, by bearing in the sensor's frame
-  double offset_m = 0.0;        ///< a landmark's centre lies this much farther than what the sensor measured
-  double inflation = 1.0;       ///< observed over predicted variance of poses: what errors have in common
+  double offset_m = 0.0;   ///< a landmark's centre lies this much farther than what the sensor measured
+  double inflation = 1.0;  ///< observed over predicted variance of poses: what errors have in common
   double inflation_count = 0.0;
 
   [[nodiscard]] static std::size_t range_bin(double range_m) noexcept {
@@ -41,28 +41,28 @@ struct Rates {
     return std::min(kBearingBins - 1, static_cast<std::size_t>(share * static_cast<double>(kBearingBins)));
   }
 
-  /// How far this world repeats itself: a high quantile of the decades by which the second best place of the map explains
-  /// a scan. Wrong places that were mapped are a sample of wrong places that were not.
+  /// How far this world repeats itself: a high quantile of the decades by which the second best place of the
+  /// map explains a scan. Wrong places that were mapped are a sample of wrong places that were not.
   double structure_decades = 8.0;
 
   /// A scan whose second best place elsewhere explained it by `decades`.
   void see_runner_up(double decades) noexcept {
     constexpr double kQuantile = 0.98;
-    constexpr double kStep = 1.5;  // decades
-    structure_decades = std::clamp(structure_decades + kStep * (decades > structure_decades ? kQuantile : kQuantile - 1.0),
-                                   2.0, 60.0);
+    constexpr double kStep = 3.0;  // decades
+    structure_decades = std::clamp(
+        structure_decades + kStep * (decades > structure_decades ? kQuantile : kQuantile - 1.0), 2.0, 60.0);
   }
 
   /// 1 sigma of a matched landmark per axis, of the scan's measurement alone. `start_m` counts as kPrior
   /// observations.
   [[nodiscard]] double sigma_m(double start_m) const noexcept {
     constexpr double kPrior = 40.0;
-    return std::clamp(std::sqrt((spread_m2 + kPrior * start_m * start_m) / (spread_count + kPrior)), 0.2 * start_m,
-                      3.0 * start_m);
+    return std::clamp(std::sqrt((spread_m2 + kPrior * start_m * start_m) / (spread_count + kPrior)),
+                      0.2 * start_m, 3.0 * start_m);
   }
   /// Share of a scan's landmarks on explored ground that the map does not have.
   [[nodiscard]] double clutter_share() const noexcept {
-    return std::clamp((clutter + 20.0 * 0.25) / (clutter_count + 20.0), 0.03, 0.8);
+    return std::clamp((clutter + 40.0 * 0.25) / (clutter_count + 40.0), 0.05, 0.8);
   }
   /// Share of the map's landmarks at `range_m` in view that a scan shows.
   [[nodiscard]] double detection(double range_m) const noexcept {
@@ -72,8 +72,8 @@ struct Rates {
                           (static_cast<double>(in_view[bin]) + prior),
                       0.02, 0.97);
   }
-  /// Share of the landmarks seen once that another scan in view shows: less than of the confirmed ones, because some of
-  /// them are nothing that stays.
+  /// Share of the landmarks seen once that another scan in view shows: less than of the confirmed ones,
+  /// because some of them are nothing that stays.
   [[nodiscard]] double second_detection() const noexcept {
     return std::clamp((second + 20.0 * 0.4) / (second_count + 20.0), 0.02, 0.97);
   }

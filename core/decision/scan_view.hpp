@@ -9,13 +9,13 @@
 
 namespace slamsensor::core {
 
-/// What a scan saw beside its landmarks, in the sensor's frame L. The readings give the range up to which each bearing
-/// was seen free; a list of landmarks gives a field of view and a range at most, or neither.
+/// What a scan saw beside its landmarks, in the sensor's frame L. The readings give the range up to which
+/// each bearing was seen free; a list of landmarks gives a field of view and a range at most, or neither.
 struct ScanView {
   static constexpr float kUnknown = -1.0F;
 
-  std::span<const float> free_m;  ///< per column of the circle, column 0 from x' on, counter-clockwise; kUnknown where
-                                  ///< nothing was looked at. Empty without readings.
+  std::span<const float> free_m;   ///< per column of the circle, column 0 from x' on, counter-clockwise;
+                                   ///< kUnknown where nothing was looked at. Empty without readings.
   double field_of_view_rad = 0.0;  ///< centred on x'; 0 = not known
   double range_m = 0.0;            ///< landmarks are seen up to it; 0 = not known
 

@@ -56,10 +56,12 @@ std::span<const ScanLandmark> LandmarkDetector::finish() noexcept {
   }
   for (std::size_t column = 0; column < farthest_.size(); ++column) {
     const auto& cells = farthest_[column].cells;
-    const auto least = std::find_if(cells.rbegin(), cells.rend(), [](std::int32_t cell) { return cell != kEmptyColumn; });
-    free_m_[column] = least == cells.rend()          ? ScanView::kUnknown
-                      : *least == kInfiniteColumn    ? static_cast<float>(range_max_m_)
-                                                     : static_cast<float>(web_.grid().radius_m(static_cast<std::uint32_t>(*least)));
+    const auto least =
+        std::find_if(cells.rbegin(), cells.rend(), [](std::int32_t cell) { return cell != kEmptyColumn; });
+    free_m_[column] = least == cells.rend() ? ScanView::kUnknown
+                      : *least == kInfiniteColumn
+                          ? static_cast<float>(range_max_m_)
+                          : static_cast<float>(web_.grid().radius_m(static_cast<std::uint32_t>(*least)));
     farthest_[column] = Farthest{};
   }
   return {landmarks_, heaviest_.size()};

@@ -34,9 +34,9 @@ class LandmarkDetector {
   /// Spiderweb says. Valid until the next call.
   [[nodiscard]] std::span<const ScanLandmark> finish() noexcept;
 
-  /// What the scan of the last finish() saw beside its landmarks: per column of the spiderweb the range up to which at
-  /// least three scanlines (or all, if fewer looked) saw that nothing stands. A trunk stops all scanlines at its range, a
-  /// bush or the ground only the low ones. Valid until the next add_scanline().
+  /// What the scan of the last finish() saw beside its landmarks: per column of the spiderweb the range up to
+  /// which at least three scanlines (or all, if fewer looked) saw that nothing stands. A trunk stops all
+  /// scanlines at its range, a bush or the ground only the low ones. Valid until the next add_scanline().
   [[nodiscard]] ScanView view() const noexcept;
 
   /// Sightings that found the list of occupied cells full, since construction.
@@ -47,7 +47,8 @@ class LandmarkDetector {
  private:
   static constexpr std::size_t kFarthest = 3;
 
-  /// The farthest that scanlines saw in a column, in cells, the farthest first; kEmptyColumn where none looked.
+  /// The farthest that scanlines saw in a column, in cells, the farthest first; kEmptyColumn where none
+  /// looked.
   struct Farthest {
     std::array<std::int32_t, kFarthest> cells{kEmptyColumn, kEmptyColumn, kEmptyColumn};
   };
@@ -61,7 +62,7 @@ class LandmarkDetector {
   Spiderweb web_;
   CellHull hull_;
   BoundedVector<CellGroup> heaviest_;
-  ScanLandmark* landmarks_;  // per element of heaviest_
+  ScanLandmark* landmarks_;           // per element of heaviest_
   BoundedVector<Farthest> farthest_;  // per column
   BoundedVector<float> free_m_;       // per column
 };

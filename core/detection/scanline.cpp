@@ -83,7 +83,7 @@ std::span<const Sighting> ScanlineGrid::sightings(std::span<const Reading> scanl
   const std::span<const Reading> readings = without_ends(scanline, config_.discard_share);
   const double tilt_rad = mean_tilt_rad(readings);
   left_out_ = !(tilt_rad >= config_.tilt_min_rad - kSameAngle_rad &&
-        tilt_rad <= config_.tilt_max_rad + kSameAngle_rad);
+                tilt_rad <= config_.tilt_max_rad + kSameAngle_rad);
   if (left_out_) {
     return {};
   }

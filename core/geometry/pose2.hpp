@@ -51,9 +51,8 @@ class RigidMotion {
   explicit RigidMotion(const Pose2& pose) noexcept
       : t_(pose.translation()), c_(std::cos(pose.heading_rad)), s_(std::sin(pose.heading_rad)) {}
 
-
-  /// The motion that takes `from` to `to` and turns by the angle whose cosine and sine are to each other as `dot` to
-  /// `turned`; no turn when both are zero.
+  /// The motion that takes `from` to `to` and turns by the angle whose cosine and sine are to each other as
+  /// `dot` to `turned`; no turn when both are zero.
   [[nodiscard]] static RigidMotion from_direction(const Point2& from, const Point2& to, double dot,
                                                   double turned) noexcept {
     RigidMotion move{Pose2{}};
@@ -62,7 +61,8 @@ class RigidMotion {
       move.c_ = dot / length;
       move.s_ = turned / length;
     }
-    move.t_ = Point2(to.x() - move.c_ * from.x() + move.s_ * from.y(), to.y() - move.s_ * from.x() - move.c_ * from.y());
+    move.t_ = Point2(to.x() - move.c_ * from.x() + move.s_ * from.y(),
+                     to.y() - move.s_ * from.x() - move.c_ * from.y());
     return move;
   }
 

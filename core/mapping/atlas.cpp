@@ -9,41 +9,52 @@
 namespace slamsensor::core {
 namespace {
 
-constexpr std::uint32_t kHomeAtOnce = 10;     // landmarks of a first scan that may found the home map by itself
+constexpr std::uint32_t kHomeAtOnce = 10;  // landmarks of a first scan that may found the home map by itself
 constexpr std::uint32_t kHomeConfirmed = 5;   // landmarks seen twice that make a local map the home map
 constexpr std::uint32_t kHomeIdleScans = 30;  // without a fix, after which a home map ...
-constexpr std::uint32_t kHomeSure = 30;       // ... of fewer confirmed landmarks than this gives way to a larger map
-constexpr std::uint32_t kMapLandmarksMin = 4; // of a scan that starts a local map
-constexpr std::uint32_t kTieLandmarksMin = 6; // confirmed landmarks of a local map before it may be tied
+constexpr std::uint32_t kHomeSure =
+    30;  // ... of fewer confirmed landmarks than this gives way to a larger map
+constexpr std::uint32_t kMapLandmarksMin = 4;  // of a scan that starts a local map
+constexpr std::uint32_t kTieLandmarksMin = 6;  // confirmed landmarks of a local map before it may be tied
 constexpr std::uint32_t kAgainMin = 3;         // landmarks that two scans in a row show ...
-constexpr double kAgainShare = 0.4;           // ... and this share of all, so that the second shows the first again
-constexpr std::uint64_t kTieScans = 3;         // in a row that agree on where a local map lies before it is tied
-constexpr double kHomeShare = 0.5;             // of the decades of a local map, with which the home map is still believed
-constexpr double kScansTieDecades = 15.0;          // in all, of scans that agree on where their local map lies
-constexpr double kPlaceGroups = 3.0;           // decades of groups, and ...
-constexpr double kPlaceContradiction = 2.0;    // ... decades against, of a scan that counts for a place
-constexpr double kFirstTurn_rad = 0.25 * kDegree;  // 1 sigma: the first fix in a home map is what users align by
-constexpr double kTieStructure = 7.0;          // a world that repeats itself less than this is tied at once
-constexpr std::size_t kWeighedMin = 6;        // candidates that are weighed, however far behind the leader
-constexpr double kWeighedNats = 15.0;         // others are weighed when they are not farther behind than this
-constexpr double kContradicted = 1e-3;        // a landmark goes when so many misses in a row are as unlikely as this
-constexpr double kNeverThere = 0.02;          // the same of one that was seen once
-constexpr double kSeldom = 0.12;              // a landmark shown by fewer of its chances than this goes ...
+constexpr double kAgainShare = 0.4;     // ... and this share of all, so that the second shows the first again
+constexpr std::uint64_t kTieScans = 3;  // in a row that agree on where a local map lies before it is tied
+constexpr double kHomeShare =
+    0.5;  // of the decades of a local map, with which the home map is still believed
+constexpr double kScansTieDecades = 15.0;    // in all, of scans that agree on where their local map lies
+constexpr double kPlaceGroups = 3.0;         // decades of groups, and ...
+constexpr double kPlaceContradiction = 2.0;  // ... decades against, of a scan that counts for a place
+constexpr double kFirstTurn_rad =
+    0.25 * kDegree;                     // 1 sigma: the first fix in a home map is what users align by
+constexpr double kTieStructure = 7.0;   // a world that repeats itself less than this is tied at once
+constexpr std::size_t kWeighedMin = 6;  // candidates that are weighed, however far behind the leader
+constexpr double kWeighedNats = 15.0;   // others are weighed when they are not farther behind than this
+constexpr double kContradicted =
+    1e-3;                             // a landmark goes when so many misses in a row are as unlikely as this
+constexpr double kNeverThere = 0.02;  // the same of one that was seen once
+constexpr double kSeldom = 0.12;      // a landmark shown by fewer of its chances than this goes ...
 constexpr std::uint32_t kSeldomChances = 15;  // ... after so many
 constexpr double kTwinSigmas = 4.5;           // nearer to a landmark than this, nothing new is put
-constexpr std::uint32_t kSaturated = 60;      // sightings of each match after which a scan adds nothing to the graph
-constexpr double kRatesMemory = 4'000.0;      // observations after which old ones are forgotten
-constexpr std::uint32_t kRefitAround = 16;    // poses
-constexpr std::uint32_t kRefitInTurn = 6'000; // sightings a scan
-constexpr double kMeanSigmaShare = 0.7;       // spread of a mean of two sightings or more, of a scan's
+constexpr std::uint32_t kSaturated =
+    60;                               // sightings of each match after which a scan adds nothing to the graph
+constexpr double kLearnApart = 0.03;  // of the scan's reach
+constexpr double kRatesMemory = 4'000.0;       // observations after which old ones are forgotten
+constexpr std::uint32_t kRefitAround = 16;     // poses
+constexpr std::uint32_t kRefitInTurn = 6'000;  // sightings a scan
+constexpr double kMeanSigmaShare = 0.7;        // spread of a mean of two sightings or more, of a scan's
 constexpr std::uint32_t kProbeLandmarks = 40;  // of a place of the map that is held against the map itself
 constexpr double kSurveyedAbout_m = ExploredGround::kCell_m;
-constexpr std::uint32_t kLoopScans = 20;      // a landmark unseen for so long closes a loop when it is seen again
+constexpr std::uint32_t kLoopScans = 20;  // a landmark unseen for so long closes a loop when it is seen again
 constexpr std::uint32_t kStepsAfterLoop = 4;  // group steps, one a scan
 constexpr std::uint32_t kGroupStepScans = 8;  // a group step after so many scans ...
-constexpr std::uint64_t kSightingsPerScan = 3'000;  // ... or more, so that a scan's share of it is this many sightings
-constexpr double kDriftInflation = 1.5;       // of the drift's variance, for what sightings' errors have in common
-constexpr double kLookReach_m = 80.0;         // ground farther than this is not marked as explored
+constexpr std::uint64_t kSightingsPerScan =
+    3'000;  // ... or more, so that a scan's share of it is this many sightings
+// Calibrated on real drives against their references (tests/truth): about what is left of their errors.
+constexpr double kScanBias_m = 0.04;
+constexpr double kScanBias_rad = 0.15 * kDegree;
+constexpr double kFrameBias_rad = 0.06 * kDegree;
+constexpr double kDriftInflation = 1.5;  // of the drift's variance, for what sightings' errors have in common
+constexpr double kLookReach_m = 80.0;    // ground farther than this is not marked as explored
 
 }  // namespace
 
@@ -74,6 +85,7 @@ void Atlas::reset() noexcept {
   graph_.clear();
   ground_.clear();
   rates_ = Rates{};
+  learned_in_ = kNoMap;
   maps_ = {};
   home_ = kNoMap;
   is_surveyed_ = has_fixed_ = false;
@@ -108,7 +120,8 @@ Witnesses Atlas::scan_witnesses() const noexcept {
   return witnesses;
 }
 
-Fix Atlas::process(std::span<const ScanLandmark> landmarks, const ScanView& view, const Deadline& deadline) noexcept {
+Fix Atlas::process(std::span<const ScanLandmark> landmarks, const ScanView& view,
+                   const Deadline& deadline) noexcept {
   Fix fix;
   fix.scan = scan_.number = scans_++;
   scan_.view = &view;
@@ -134,8 +147,8 @@ void Atlas::search(const Deadline& deadline, Fix& fix) noexcept {
   MatchModel model;
   model.sigma_m = rates_.sigma_m(scale_.start_sigma_m());
   model.detection = rates_.mean_detection();
-  model.density_per_m2 = static_cast<double>(points_B_.size()) /
-                         std::max(1.0, std::numbers::pi * scan_.reach_m * scan_.reach_m);
+  model.density_per_m2 =
+      static_cast<double>(points_B_.size()) / std::max(1.0, std::numbers::pi * scan_.reach_m * scan_.reach_m);
   find(points_B_.span(), kNoMap, model, deadline);
   counters_.searches_cut += found_[0].end == SearchEnd::Deadline ? 1 : 0;
   fix.search_end = found_[0].end;
@@ -167,7 +180,8 @@ void Atlas::find(std::span<const Point2> points, MapSlot except, const MatchMode
   counters_.neighbours_dropped += found.neighbours_dropped;
 }
 
-void Atlas::weigh(const Witnesses& witnesses, const Candidates& found, BoundedVector<Weighed>& weighed) noexcept {
+void Atlas::weigh(const Witnesses& witnesses, const Candidates& found,
+                  BoundedVector<Weighed>& weighed) noexcept {
   weighed.clear();
   const Maps maps = maps_view();
   for (std::size_t i = 0; i < found.list.size(); ++i) {
@@ -200,13 +214,41 @@ void Atlas::describe(const Weighed& w, Fix& fix) const noexcept {
     xi = std::max(xi, graph_.landmark(slot).xi);
   }
   fix.error_xi = xi + 1;
-  const MapEntry& entry = maps_[w.candidate.map];
+  add_common_errors(w.candidate.map, w.candidate.matches, fix);
+}
+
+/// What residuals do not show, because the errors of one scan or of one map have it in common: a bias of each
+/// scan; the drift of the map since its origin; and the turn of the whole frame, which only its first scan
+/// fixed, and which displaces what is far from the origin.
+void Atlas::add_common_errors(MapSlot map, const MatchList& matches, Fix& fix) const noexcept {
+  const MapEntry& entry = maps_[map];
+  fix.covariance_near(0, 0) += kScanBias_m * kScanBias_m;
+  fix.covariance_near(1, 1) += kScanBias_m * kScanBias_m;
+  fix.covariance_near(2, 2) += kScanBias_rad * kScanBias_rad;
   fix.covariance = fix.covariance_near;
-  if (entry.last_place != SightingGraph::kNone) {
-    const double sigma_m = rates_.sigma_m(scale_.start_sigma_m());
-    fix.covariance += sigma_m * sigma_m * kDriftInflation * graph_.drift_of(entry.last_place);
+  // The map about the scan is as good as the best known of its landmarks.
+  std::optional<Eigen::Matrix3d> least;
+  for (const Match& match : matches) {
+    const std::uint32_t pose = graph_.landmark(match.map).brought_by;
+    const Eigen::Matrix3d drift =
+        pose == SightingGraph::kNone ? Eigen::Matrix3d(Eigen::Matrix3d::Zero()) : graph_.drift_of(pose);
+    if (!least || drift.trace() < least->trace()) {
+      least = drift;
+    }
   }
-  fix.protection_radius_m = std::sqrt(-2.0 * std::log(config_.acceptance.risk)) * position_sigma_m(fix.covariance);
+  if (least) {
+    const double sigma_m = rates_.sigma_m(scale_.start_sigma_m());
+    fix.covariance += sigma_m * sigma_m * kDriftInflation * *least;
+  }
+  const double turn2 = entry.frame_turn2 + kFrameBias_rad * kFrameBias_rad;
+  const Point2 arm = fix.pose_W.translation();
+  const Eigen::Vector3d lever(-arm.y(), arm.x(), 1.0);
+  fix.covariance += turn2 * lever * lever.transpose();
+  // A map that bends rather than turns has errors along the way, too.
+  fix.covariance(0, 0) += kFrameBias_rad * kFrameBias_rad * arm.squaredNorm();
+  fix.covariance(1, 1) += kFrameBias_rad * kFrameBias_rad * arm.squaredNorm();
+  fix.protection_radius_m =
+      std::sqrt(-2.0 * std::log(config_.acceptance.risk)) * position_sigma_m(fix.covariance);
 }
 
 void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
@@ -214,7 +256,8 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
   Verdict verdict;
   verdict.reason = fix.search_end == SearchEnd::Deadline ? FixReason::Deadline : FixReason::NoOverlap;
   if (home_ != kNoMap) {
-    verdict = decide(weighed_.span(), home_, stake_of(home_), fix.search_end, rates_.structure_decades, config_.acceptance);
+    verdict = decide(weighed_.span(), home_, stake_of(home_), fix.search_end, rates_.structure_decades,
+                     config_.acceptance);
   }
   if (verdict.status == FixStatus::Fix && !has_fixed_ && !is_surveyed_ &&
       weighed_[verdict.chosen].evidence.covariance(2, 2) > kFirstTurn_rad * kFirstTurn_rad) {
@@ -225,10 +268,9 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
   fix.expected_false_alarms = std::pow(10.0, verdict.log10_expected_wrong);
   const std::optional<std::size_t> local = best_local();
   // A local map that explains the scan far better says that this is its place, wherever that is.
-  const bool fits_local_better = local && verdict.chosen != SIZE_MAX &&
-                                 weighed_[*local].evidence.ln_bayes > 0.0 &&
-                                 weighed_[verdict.chosen].evidence.ln_bayes <
-                                     kHomeShare * weighed_[*local].evidence.ln_bayes;
+  const bool fits_local_better =
+      local && verdict.chosen != SIZE_MAX && weighed_[*local].evidence.ln_bayes > 0.0 &&
+      weighed_[verdict.chosen].evidence.ln_bayes < kHomeShare * weighed_[*local].evidence.ln_bayes;
   if (verdict.chosen != SIZE_MAX) {
     describe(weighed_[verdict.chosen], fix);
   }
@@ -238,7 +280,8 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
   MapSlot tie_of = kNoMap;
   if (verdict.status == FixStatus::Fix && !fits_local_better) {
     extend(weighed_[verdict.chosen]);
-    tie_of = local && weighed_[*local].evidence.ln_bayes > std::log(1e4) ? weighed_[*local].candidate.map : kNoMap;
+    tie_of =
+        local && weighed_[*local].evidence.ln_bayes > std::log(1e4) ? weighed_[*local].candidate.map : kNoMap;
   } else if (local && decide(weighed_.span(), weighed_[*local].candidate.map, Stake::Local, fix.search_end,
                              rates_.structure_decades, config_.acceptance)
                               .status == FixStatus::Fix) {
@@ -274,7 +317,8 @@ Stake Atlas::stake_of(MapSlot map) const noexcept {
   const auto again = std::count_if(
       weighed_[best].candidate.matches.begin(), weighed_[best].candidate.matches.end(),
       [&](const Match& match) { return graph_.landmark(match.map).last_scan + 1 == scan_.number; });
-  const double wanted = std::max(static_cast<double>(kAgainMin), kAgainShare * static_cast<double>(points_B_.size()));
+  const double wanted =
+      std::max(static_cast<double>(kAgainMin), kAgainShare * static_cast<double>(points_B_.size()));
   return static_cast<double>(again) >= wanted ? Stake::Again : Stake::Fix;
 }
 
@@ -297,7 +341,8 @@ void Atlas::note_places(const Weighed& local) noexcept {
       place = &map.places.back();
     }
     place->W += other.candidate.matches.size();
-    if (other.evidence.group_decades >= kPlaceGroups && other.evidence.contradiction_decades() <= kPlaceContradiction) {
+    if (other.evidence.group_decades >= kPlaceGroups &&
+        other.evidence.contradiction_decades() <= kPlaceContradiction) {
       ++place->scans;
       place->decades += other.evidence.ln_bayes / std::numbers::ln10;
     }
@@ -311,7 +356,8 @@ void Atlas::extend(const Weighed& w) noexcept {
   const MapSlot map = w.candidate.map;
   MapEntry& entry = maps_[map];
   learn_from(w);
-  rates_.see_runner_up(runner_up_decades(weighed_.span(), static_cast<std::size_t>(&w - weighed_.begin()), config_.acceptance));
+  rates_.see_runner_up(runner_up_decades(weighed_.span(), static_cast<std::size_t>(&w - weighed_.begin()),
+                                         config_.acceptance));
   std::array<std::uint32_t, 3> parents;
   const std::uint32_t xi = update_matched(w, parents);
   look_for_missing(w);
@@ -355,7 +401,10 @@ void Atlas::extend(const Weighed& w) noexcept {
     pose.scan = scan_.number;
     pose.xi = xi;
     pose.map = map;
-    graph_.set_robust_scale(std::max(config_.association.tolerance_m, 3.0 * rates_.sigma_m(scale_.start_sigma_m())));
+    pose.group =
+        entry.last_place == SightingGraph::kNone ? std::uint16_t{0} : graph_.pose(entry.last_place).group;
+    graph_.set_robust_scale(
+        std::max(config_.association.tolerance_m, 3.0 * rates_.sigma_m(scale_.start_sigma_m())));
     entry.last_place = graph_.add_pose(pose, seen_.span());
     graph_.refit(entry.last_place);
     graph_.refit_around(entry.last_place, kRefitAround);
@@ -366,13 +415,14 @@ void Atlas::extend(const Weighed& w) noexcept {
   ++revision_;
 }
 
-/// Group steps come after so many scans that each scan pays the same share of them, and at once when a scan closes a loop:
-/// when it shows again what was not seen for long.
+/// Group steps come after so many scans that each scan pays the same share of them, and at once when a scan
+/// closes a loop: when it shows again what was not seen for long.
 void Atlas::step_groups(const Weighed& w, MapSlot map) noexcept {
-  const auto old = std::count_if(w.candidate.matches.begin(), w.candidate.matches.end(), [&](const Match& match) {
-    return graph_.is_used(match.map) && scan_.number - closed_scan_ > kLoopScans &&
-           graph_.landmark(match.map).first_scan + kLoopScans < scan_.number && was_unseen_[match.scan];
-  });
+  const auto old =
+      std::count_if(w.candidate.matches.begin(), w.candidate.matches.end(), [&](const Match& match) {
+        return graph_.is_used(match.map) && scan_.number - closed_scan_ > kLoopScans &&
+               graph_.landmark(match.map).first_scan + kLoopScans < scan_.number && was_unseen_[match.scan];
+      });
   if (old >= 3) {
     closed_scan_ = scan_.number;
     group_steps_due_ = kStepsAfterLoop;
@@ -387,8 +437,8 @@ void Atlas::step_groups(const Weighed& w, MapSlot map) noexcept {
   }
 }
 
-/// Algorithm 1: the scan's error is one more than the largest of its triangle; a matched landmark whose error is not
-/// smaller takes the scan's.
+/// Algorithm 1: the scan's error is one more than the largest of its triangle; a matched landmark whose error
+/// is not smaller takes the scan's.
 std::uint32_t Atlas::update_matched(const Weighed& w, std::array<std::uint32_t, 3>& parents) noexcept {
   std::uint32_t xi = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -415,7 +465,16 @@ std::uint32_t Atlas::update_matched(const Weighed& w, std::array<std::uint32_t, 
   return xi;
 }
 
+/// Two scans from one spot say little of what a scan from another spot will show, so only those are learned
+/// from that lie apart.
 void Atlas::learn_from(const Weighed& w) noexcept {
+  const double apart_m = (w.candidate.pose_W.translation() - learned_at_.translation()).norm();
+  learns_ = learned_in_ != w.candidate.map || apart_m > kLearnApart * scan_.reach_m;
+  if (!learns_) {
+    return;
+  }
+  learned_in_ = w.candidate.map;
+  learned_at_ = w.candidate.pose_W;
   double scaled2 = 0.0;
   for (const Match& match : w.candidate.matches) {
     const Point2 seen_W = w.candidate.pose_W * points_B_[match.scan];
@@ -439,25 +498,29 @@ void Atlas::learn_from(const Weighed& w) noexcept {
   }
 }
 
-/// Whether a landmark that was in view again and again is not there, or not worth keeping. What was seen once is held to
-/// what confirmed landmarks show; a confirmed one to its own record.
-bool Atlas::is_contradicted(const GraphLandmark& landmark, const Standing& standing, double range_m) const noexcept {
+/// Whether a landmark that was in view again and again is not there, or not worth keeping. What was seen once
+/// is held to what confirmed landmarks show; a confirmed one to its own record.
+bool Atlas::is_contradicted(const GraphLandmark& landmark, const Standing& standing,
+                            double range_m) const noexcept {
   if (standing.sightings < 2) {
     return landmark.misses * std::log1p(-rates_.detection(range_m)) < std::log(kNeverThere);
   }
   const double share = config_.mapping.prune_share > 0.0 ? config_.mapping.prune_share : kSeldom;
   return (standing.chances >= kSeldomChances && standing.sightings < share * standing.chances) ||
-         landmark.misses * std::log1p(-chance_to_be_shown(rates_, standing, range_m)) < std::log(kContradicted);
+         landmark.misses * std::log1p(-chance_to_be_shown(rates_, standing, range_m)) <
+             std::log(kContradicted);
 }
 
-/// Landmarks in view that the scan does not show lose standing; those that should have been seen again and again go.
+/// Landmarks in view that the scan does not show lose standing; those that should have been seen again and
+/// again go.
 void Atlas::look_for_missing(const Weighed& w) noexcept {
   std::array<std::uint32_t, 64> gone{};
   std::size_t gone_count = 0;
   const Pose2 T_L_W = T_L_B_ * w.candidate.pose_W.inverse();
   const bool is_known = !scan_.view->free_m.empty() || scan_.view->field_of_view_rad > 0.0;
   graph_.index().visit_within(
-      w.candidate.map, w.candidate.pose_W.translation(), scan_.reach_m + 2.0, [&](std::uint32_t slot, double) {
+      w.candidate.map, w.candidate.pose_W.translation(), scan_.reach_m + 2.0,
+      [&](std::uint32_t slot, double) {
         const Point2 p_L = T_L_W * graph_.positions()[slot];
         const double range_m = p_L.norm();
         const bool is_matched = std::any_of(w.candidate.matches.begin(), w.candidate.matches.end(),
@@ -469,7 +532,10 @@ void Atlas::look_for_missing(const Weighed& w) noexcept {
         }
         const std::size_t bin = Rates::range_bin(range_m);
         Standing& standing = graph_.standing(slot);
-        if (standing.sightings < 2 || (is_matched && standing.sightings == 2)) {  // until now seen once: it may be nothing
+        if (!learns_) {
+          // no news of how scans show landmarks
+        } else if (standing.sightings < 2 ||
+                   (is_matched && standing.sightings == 2)) {  // until now seen once: it may be nothing
           rates_.second_count += 1.0;
           rates_.second += is_matched ? 1.0 : 0.0;
         } else {
@@ -530,8 +596,9 @@ MapSlot Atlas::free_map() noexcept {
     if (maps_[i].number == 0) {
       return i;
     }
-    if (i != home_ && (least == kNoMap || maps_[i].confirmed < maps_[least].confirmed ||
-                       (maps_[i].confirmed == maps_[least].confirmed && maps_[i].last_scan < maps_[least].last_scan))) {
+    if (i != home_ &&
+        (least == kNoMap || maps_[i].confirmed < maps_[least].confirmed ||
+         (maps_[i].confirmed == maps_[least].confirmed && maps_[i].last_scan < maps_[least].last_scan))) {
       least = i;
     }
   }
@@ -567,7 +634,8 @@ void Atlas::start_map(Fix& fix) noexcept {
   for (std::size_t i = 0; i < points_B_.size(); ++i) {
     double d2 = 0.0;
     make_room(1);
-    if (graph_.index().nearest_within(map, points_B_[i], 0.5 * scale_.start_sigma_m(), d2) != LandmarkIndex::kNone) {
+    if (graph_.index().nearest_within(map, points_B_[i], 0.5 * scale_.start_sigma_m(), d2) !=
+        LandmarkIndex::kNone) {
       continue;
     }
     const std::uint32_t slot = graph_.add_landmark(map, points_B_[i], scan_.number, 0);
@@ -583,6 +651,11 @@ void Atlas::start_map(Fix& fix) noexcept {
   entry.last_place = graph_.add_pose(pose, seen_.span());
   look_around(map, Pose2{});
   ++revision_;
+  double square_m2 = 0.0;
+  for (const Point2& p : points_B_) {
+    square_m2 += p.squaredNorm();
+  }
+  entry.frame_turn2 = scale_.start_sigma_m() * scale_.start_sigma_m() / std::max(1.0, square_m2);
   const bool is_first = maps_made_ == 1;
   if (home_ == kNoMap && is_first && points_B_.size() >= kHomeAtOnce) {
     home_ = map;
@@ -591,19 +664,20 @@ void Atlas::start_map(Fix& fix) noexcept {
     fix.search_end = SearchEnd::Complete;
     fix.map = entry.number;
     const double sigma_m = scale_.start_sigma_m();
-    const double n = static_cast<double>(points_B_.size());
-    fix.covariance_near = Eigen::Vector3d(sigma_m * sigma_m / n, sigma_m * sigma_m / n,
-                                          sigma_m * sigma_m / n / std::max(1.0, 0.5 * scan_.reach_m * scan_.reach_m))
-                              .asDiagonal();
-    fix.covariance = fix.covariance_near;
-    fix.protection_radius_m = std::sqrt(-2.0 * std::log(config_.acceptance.risk)) * position_sigma_m(fix.covariance);
+    // The origin by definition; what the first scan leaves open is the turn of the frame.
+    fix.covariance_near =
+        Eigen::Vector3d(sigma_m * sigma_m / static_cast<double>(points_B_.size()),
+                        sigma_m * sigma_m / static_cast<double>(points_B_.size()), entry.frame_turn2)
+            .asDiagonal();
+    add_common_errors(map, {}, fix);
   } else if (fix.status == FixStatus::NoFix && fix.reason == FixReason::NoOverlap) {
     // Known nowhere: its own local map is all that is known of it.
     fix.map = 0;
   }
 }
 
-/// A full memory loses the least useful landmarks: those of the least local map first, then the least confirmed of all.
+/// A full memory loses the least useful landmarks: those of the least local map first, then the least
+/// confirmed of all.
 void Atlas::make_room(std::uint32_t wanted) noexcept {
   if (graph_.free_landmarks() >= wanted) {
     return;
@@ -651,8 +725,8 @@ void Atlas::make_room(std::uint32_t wanted) noexcept {
   }
 }
 
-/// The home map is the first that deserves it. A poor one does not bind: when nothing was found in it for long, and a
-/// local map has become much larger, that one is the home map from then on.
+/// The home map is the first that deserves it. A poor one does not bind: when nothing was found in it for
+/// long, and a local map has become much larger, that one is the home map from then on.
 void Atlas::choose_home() noexcept {
   const bool is_idle = home_ != kNoMap && scan_.number - maps_[home_].last_scan > kHomeIdleScans &&
                        maps_[home_].confirmed < kHomeSure;
@@ -662,8 +736,10 @@ void Atlas::choose_home() noexcept {
   }
   MapSlot best = kNoMap;
   for (MapSlot i = 0; i < kMapsMax; ++i) {
-    const std::uint32_t wanted = home_ == kNoMap ? kHomeConfirmed : std::max(kHomeConfirmed, 3 * maps_[home_].confirmed);
-    if (i != home_ && maps_[i].number != 0 && maps_[i].confirmed >= wanted && maps_[i].scans >= (home_ == kNoMap ? 2U : 4U) &&
+    const std::uint32_t wanted =
+        home_ == kNoMap ? kHomeConfirmed : std::max(kHomeConfirmed, 3 * maps_[home_].confirmed);
+    if (i != home_ && maps_[i].number != 0 && maps_[i].confirmed >= wanted &&
+        maps_[i].scans >= (home_ == kNoMap ? 2U : 4U) &&
         (best == kNoMap || maps_[i].confirmed > maps_[best].confirmed)) {
       best = i;
     }
@@ -715,12 +791,29 @@ void Atlas::try_tie(MapSlot map, const Deadline& deadline) noexcept {
   if (target == kNoMap) {
     return;
   }
-  Verdict verdict = decide(weighed_ties_.span(), target, Stake::Tie, found_[0].end, rates_.structure_decades, config_.acceptance);
-  if (verdict.status != FixStatus::Fix && !weighed_ties_.empty() && weighed_ties_[0].candidate.map != target) {
-    verdict = decide(weighed_ties_.span(), weighed_ties_[0].candidate.map, Stake::Tie, found_[0].end, rates_.structure_decades, config_.acceptance);
+  Verdict verdict = decide(weighed_ties_.span(), target, Stake::Tie, found_[0].end, rates_.structure_decades,
+                           config_.acceptance);
+  if (verdict.status != FixStatus::Fix && !weighed_ties_.empty() &&
+      weighed_ties_[0].candidate.map != target) {
+    verdict = decide(weighed_ties_.span(), weighed_ties_[0].candidate.map, Stake::Tie, found_[0].end,
+                     rates_.structure_decades, config_.acceptance);
   }
 #ifdef DEBUG_TIE
-  { size_t b=best_in(weighed_ties_.span(),target); if(b!=SIZE_MAX){auto&w=weighed_ties_[b]; __builtin_printf("  TIE map %u->%u n %zu m %zu bf %.1f grp %.1f un %u/%u %.1f miss %u/%u %.1f sig %.2f deg %.2f -> %d %d\n",map,target,confirmed_.size(),w.candidate.matches.size(),w.evidence.ln_bayes/2.3,w.evidence.group_decades,w.evidence.unmatched,w.evidence.explored,w.evidence.log10_unmatched,w.evidence.missing,w.evidence.in_view,w.evidence.log10_missing,position_sigma_m(w.evidence.covariance),std::sqrt(w.evidence.covariance(2,2))*57.3,(int)verdict.status,(int)verdict.reason);} else __builtin_printf("  TIE map %u -> none of %zu, n %zu\n",map,weighed_ties_.size(),confirmed_.size()); }
+  {
+    size_t b = best_in(weighed_ties_.span(), target);
+    if (b != SIZE_MAX) {
+      auto& w = weighed_ties_[b];
+      __builtin_printf(
+          "  TIE map %u->%u n %zu m %zu bf %.1f grp %.1f un %u/%u %.1f miss %u/%u %.1f sig %.2f deg %.2f -> "
+          "%d %d\n",
+          map, target, confirmed_.size(), w.candidate.matches.size(), w.evidence.ln_bayes / 2.3,
+          w.evidence.group_decades, w.evidence.unmatched, w.evidence.explored, w.evidence.log10_unmatched,
+          w.evidence.missing, w.evidence.in_view, w.evidence.log10_missing,
+          position_sigma_m(w.evidence.covariance), std::sqrt(w.evidence.covariance(2, 2)) * 57.3,
+          (int)verdict.status, (int)verdict.reason);
+    } else
+      __builtin_printf("  TIE map %u -> none of %zu, n %zu\n", map, weighed_ties_.size(), confirmed_.size());
+  }
 #endif
   if (verdict.status == FixStatus::Fix && found_[0].end != SearchEnd::Deadline) {
     Weighed chosen = weighed_ties_[verdict.chosen];
@@ -731,11 +824,13 @@ void Atlas::try_tie(MapSlot map, const Deadline& deadline) noexcept {
   }
 }
 
-/// Where the world does not repeat itself, scans that each say alone where their local map lies, and agree, tie it.
+/// Where the world does not repeat itself, scans that each say alone where their local map lies, and agree,
+/// tie it.
 bool Atlas::tie_by_scans(MapSlot map) noexcept {
   const MapEntry& entry = maps_[map];
-  if (rates_.structure_decades >= kTieStructure || entry.places.empty() || entry.places[0].scans < kTieScans ||
-      entry.places[0].decades < kScansTieDecades || (entry.places.size() > 1 && 2 * entry.places[1].W > entry.places[0].W)) {
+  if (rates_.structure_decades >= kTieStructure || entry.places.empty() ||
+      entry.places[0].scans < kTieScans || entry.places[0].decades < kScansTieDecades ||
+      (entry.places.size() > 1 && 2 * entry.places[1].W > entry.places[0].W)) {
     return false;
   }
   const PlaceHypothesis place = entry.places[0];
@@ -744,17 +839,20 @@ bool Atlas::tie_by_scans(MapSlot map) noexcept {
   tied.candidate.pose_W = place.T_target_map;
   confirmed_slots_.clear();
   const double gate_m = 3.7 * rates_.sigma_m(scale_.start_sigma_m());
-  graph_.index().visit_within(map, entry.last_pose.translation(), 2.0 * std::max(scan_.reach_m, 30.0), [&](std::uint32_t slot, double) {
-    double d2 = 0.0;
-    const Point2 p = place.T_target_map * graph_.positions()[slot];
-    const std::uint32_t twin = graph_.index().nearest_within(place.target, p, gate_m, d2);
-    const bool is_taken = std::any_of(tied.candidate.matches.begin(), tied.candidate.matches.end(),
-                                      [&](const Match& match) { return match.map == twin; });
-    if (twin != LandmarkIndex::kNone && !is_taken && confirmed_slots_.try_push_back(slot) &&
-        !tied.candidate.matches.try_push_back({static_cast<std::uint32_t>(confirmed_slots_.size() - 1), twin})) {
-      confirmed_slots_.truncate(confirmed_slots_.size() - 1);
-    }
-  });
+  graph_.index().visit_within(
+      map, entry.last_pose.translation(), 2.0 * std::max(scan_.reach_m, 30.0),
+      [&](std::uint32_t slot, double) {
+        double d2 = 0.0;
+        const Point2 p = place.T_target_map * graph_.positions()[slot];
+        const std::uint32_t twin = graph_.index().nearest_within(place.target, p, gate_m, d2);
+        const bool is_taken = std::any_of(tied.candidate.matches.begin(), tied.candidate.matches.end(),
+                                          [&](const Match& match) { return match.map == twin; });
+        if (twin != LandmarkIndex::kNone && !is_taken && confirmed_slots_.try_push_back(slot) &&
+            !tied.candidate.matches.try_push_back(
+                {static_cast<std::uint32_t>(confirmed_slots_.size() - 1), twin})) {
+          confirmed_slots_.truncate(confirmed_slots_.size() - 1);
+        }
+      });
   if (tied.candidate.matches.size() < 3) {
     return false;
   }
@@ -769,8 +867,8 @@ bool Atlas::tie_by_scans(MapSlot map) noexcept {
 void Atlas::confirm_tie(MapSlot map, const Weighed& w) noexcept {
   PlaceHypothesis& last = maps_[map].tie;
   const bool is_same = last.W > 0 && last.target == w.candidate.map &&
-                       !elsewhere(last.T_target_map * maps_[map].last_pose, w.candidate.pose_W * maps_[map].last_pose,
-                                  config_.acceptance);
+                       !elsewhere(last.T_target_map * maps_[map].last_pose,
+                                  w.candidate.pose_W * maps_[map].last_pose, config_.acceptance);
   last = {w.candidate.map, w.candidate.pose_W, is_same ? last.W + 1 : 1, 0, 0.0};
   if (last.W >= kTieScans || rates_.structure_decades < kTieStructure) {
     tie(map, w);
@@ -829,7 +927,8 @@ bool Atlas::take_survey(std::span<const Point2> landmarks_W) noexcept {
     graph_.set_prior(slot, kSurveyed);
     ++maps_[0].landmarks;
     ++maps_[0].confirmed;
-    for (const double dy : {-kSurveyedAbout_m, 0.0, kSurveyedAbout_m}) {  // a survey leaves out nothing beside a landmark
+    for (const double dy :
+         {-kSurveyedAbout_m, 0.0, kSurveyedAbout_m}) {  // a survey leaves out nothing beside a landmark
       for (const double dx : {-kSurveyedAbout_m, 0.0, kSurveyedAbout_m}) {
         ground_.look(0, p_W + Point2(dx, dy), 0.9);
       }
@@ -885,15 +984,18 @@ MapState Atlas::copy_home(const MapRoom& room) const noexcept {
     }
     const GraphLandmark& l = graph_.landmark(slot);
     const Standing& standing = graph_.standing()[slot];
-    room.landmarks[count] = {l.id, l.xi, l.parents, standing.sightings, standing.chances, l.first_scan, l.last_scan};
+    room.landmarks[count] = {l.id,         l.xi,       l.parents, standing.sightings, standing.chances,
+                             l.first_scan, l.last_scan};
     // Two numbers share the array until it is sorted: the slot stands where the place will.
     room.positions_W[count] = {static_cast<double>(l.id), static_cast<double>(slot)};
     ++count;
   }
   const std::span<MapLandmark> landmarks = room.landmarks.first(count);
   const std::span<Point2> positions = room.positions_W.first(count);
-  std::sort(landmarks.begin(), landmarks.end(), [](const MapLandmark& a, const MapLandmark& b) { return a.id < b.id; });
-  std::sort(positions.begin(), positions.end(), [](const Point2& a, const Point2& b) { return a.x() < b.x(); });
+  std::sort(landmarks.begin(), landmarks.end(),
+            [](const MapLandmark& a, const MapLandmark& b) { return a.id < b.id; });
+  std::sort(positions.begin(), positions.end(),
+            [](const Point2& a, const Point2& b) { return a.x() < b.x(); });
   for (Point2& p : positions) {
     p = graph_.positions()[static_cast<std::size_t>(p.y())];
   }
@@ -901,7 +1003,8 @@ MapState Atlas::copy_home(const MapRoom& room) const noexcept {
   state.positions_W = positions;
   std::size_t poses = 0;
   graph_.visit_poses([&](std::uint32_t, const GraphPose& pose) {
-    if (pose.map == home_ && poses < room.path.size() && (poses == 0 || pose.scan > room.path[poses - 1].scan)) {
+    if (pose.map == home_ && poses < room.path.size() &&
+        (poses == 0 || pose.scan > room.path[poses - 1].scan)) {
       room.path[poses++] = {pose.scan, pose.xi, pose.T_W_B};
     }
   });

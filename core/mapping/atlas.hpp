@@ -23,8 +23,8 @@
 
 namespace slamsensor::core {
 
-/// A place where a local map may lie: the paper's hypothesis (II-D). W is the accumulated match count of the scans that
-/// say so.
+/// A place where a local map may lie: the paper's hypothesis (II-D). W is the accumulated match count of the
+/// scans that say so.
 struct PlaceHypothesis {
   MapSlot target = 0;
   Pose2 T_target_map;
@@ -44,36 +44,39 @@ struct MapEntry {
   std::uint32_t confirmed = 0;  ///< landmarks that a second scan saw
   std::uint64_t W = 0;          ///< accumulated match count
   Pose2 last_pose;
+  double frame_turn2 = 0.0;  ///< variance (rad^2) of the heading of the scan that it began with
   std::uint32_t last_place = SightingGraph::kNone;  ///< of last_pose in the graph
-  PlaceHypothesis tie;          ///< where its confirmed landmarks as a whole were believed last, W times in a row
+  PlaceHypothesis tie;  ///< where its confirmed landmarks as a whole were believed last, W times in a row
   FixedVector<PlaceHypothesis, kPlacesMax> places;  ///< the best W first
 };
 
-/// All that the sensor remembers, and how a scan changes it (DESIGN 2.5): the home map, local maps that are not yet tied
-/// to it, and the hypotheses of where those may lie. A scan that is believed in the home map is a fix and extends it. One
-/// that is not is held against the local maps, and starts one when it is believed in none. A local map whose confirmed
-/// landmarks as a whole are believed in another map becomes part of that map. One thread; no allocation after
-/// construction.
+/// All that the sensor remembers, and how a scan changes it (DESIGN 2.5): the home map, local maps that are
+/// not yet tied to it, and the hypotheses of where those may lie. A scan that is believed in the home map is
+/// a fix and extends it. One that is not is held against the local maps, and starts one when it is believed
+/// in none. A local map whose confirmed landmarks as a whole are believed in another map becomes part of that
+/// map. One thread; no allocation after construction.
 class Atlas {
  public:
   static constexpr std::size_t kMapsMax = 16;
 
   Atlas(Arena& arena, const Config& config) noexcept;
 
-  /// Localises the scan and brings it into the maps. `landmarks` come heaviest first. Fix::time is the caller's.
-  [[nodiscard]] Fix process(std::span<const ScanLandmark> landmarks, const ScanView& view, const Deadline& deadline) noexcept;
+  /// Localises the scan and brings it into the maps. `landmarks` come heaviest first. Fix::time is the
+  /// caller's.
+  [[nodiscard]] Fix process(std::span<const ScanLandmark> landmarks, const ScanView& view,
+                            const Deadline& deadline) noexcept;
 
   /// Forgets everything; the next scan starts a new map, unless frozen.
   void reset() noexcept;
   [[nodiscard]] MapCheck restore(const MapState& state) noexcept;
-  /// Makes landmarks that somebody else surveyed (W, m, on the lattice) the home map. False, and the map is empty, when
-  /// they are more than there is room for.
+  /// Makes landmarks that somebody else surveyed (W, m, on the lattice) the home map. False, and the map is
+  /// empty, when they are more than there is room for.
   [[nodiscard]] bool take_survey(std::span<const Point2> landmarks_W) noexcept;
   void set_frozen(Frozen frozen) noexcept { frozen_ = frozen; }
   [[nodiscard]] Frozen frozen() const noexcept { return frozen_; }
 
-  /// All of the home map that cannot be computed again, into `room`, whose spans are at least as long as the capacities;
-  /// the answer's spans are parts of them. Takes time in proportion to the map.
+  /// All of the home map that cannot be computed again, into `room`, whose spans are at least as long as the
+  /// capacities; the answer's spans are parts of them. Takes time in proportion to the map.
   [[nodiscard]] MapState copy_home(const MapRoom& room) const noexcept;
   /// Grows whenever a map changes, and never falls.
   [[nodiscard]] std::uint64_t revision() const noexcept { return revision_; }
@@ -98,12 +101,14 @@ class Atlas {
 
   void take_landmarks(std::span<const ScanLandmark> landmarks) noexcept;
   void search(const Deadline& deadline, Fix& fix) noexcept;
-  void find(std::span<const Point2> points, MapSlot except, const MatchModel& model, const Deadline& deadline) noexcept;
+  void find(std::span<const Point2> points, MapSlot except, const MatchModel& model,
+            const Deadline& deadline) noexcept;
   void weigh(const Witnesses& witnesses, const Candidates& found, BoundedVector<Weighed>& weighed) noexcept;
   void localise(const Deadline& deadline, Fix& fix) noexcept;
   [[nodiscard]] std::optional<std::size_t> best_local() const noexcept;
   [[nodiscard]] Stake stake_of(MapSlot map) const noexcept;
   void describe(const Weighed& weighed, Fix& fix) const noexcept;
+  void add_common_errors(MapSlot map, const MatchList& matches, Fix& fix) const noexcept;
   void extend(const Weighed& weighed) noexcept;
   void step_groups(const Weighed& weighed, MapSlot map) noexcept;
   void note_places(const Weighed& local) noexcept;
@@ -141,7 +146,10 @@ class Atlas {
   std::array<MapEntry, kMapsMax> maps_{};
   MapSlot home_ = kNoMap;
   bool is_surveyed_ = false;
-  bool has_fixed_ = false;  // in the present home map
+  Pose2 learned_at_;  // in the map of the last scan that the rates were learned from
+  MapSlot learned_in_ = kNoMap;
+  bool learns_ = true;
+  bool has_fixed_ = false;          // in the present home map
   BoundedVector<Point2> points_L_;  // of the scan
   BoundedVector<Point2> points_B_;
   BoundedVector<SightingGraph::Seen> seen_;
@@ -151,8 +159,9 @@ class Atlas {
   BoundedVector<Weighed> weighed_;
   BoundedVector<Weighed> weighed_ties_;
   Scan scan_;
-  std::array<bool, kScanLandmarksMax> was_unseen_{};  // per landmark of the scan: what it matches was not seen for long
-  std::uint32_t closed_scan_ = 0;                     // that closed a loop last
+  std::array<bool, kScanLandmarksMax>
+      was_unseen_{};               // per landmark of the scan: what it matches was not seen for long
+  std::uint32_t closed_scan_ = 0;  // that closed a loop last
   std::uint32_t group_steps_due_ = 0;
   std::uint32_t scans_since_step_ = 0;
   Counters counters_;

@@ -1,6 +1,7 @@
-// The coarse level of the refinement: SightingGraph::group_step. Poses of a map are moved in groups, each as a rigid
-// body about its middle, by the exact Gauss-Newton step of the reduced system (landmarks eliminated). What a closed loop
-// shows is so spread over the whole loop at once, where moving pose by pose would take as many rounds as there are poses.
+// The coarse level of the refinement: SightingGraph::group_step. Poses of a map are moved in groups, each as
+// a rigid body about its middle, by the exact Gauss-Newton step of the reduced system (landmarks eliminated).
+// What a closed loop shows is so spread over the whole loop at once, where moving pose by pose would take as
+// many rounds as there are poses.
 #include "core/mapping/sighting_graph.hpp"
 
 #include <algorithm>
@@ -9,14 +10,14 @@
 namespace slamsensor::core {
 namespace {
 
-// Sightings of one scan err alike, so that small gains in the sum of squares are no evidence: a step has to gain this
-// many variances of a sighting. A closed loop gains thousands.
+// Sightings of one scan err alike, so that small gains in the sum of squares are no evidence: a step has to
+// gain this many variances of a sighting. A closed loop gains thousands.
 constexpr double kGainMin = 100.0;
-constexpr double kHold = 1e9;             // information that holds the frame of a map
+constexpr double kHold = 1e9;  // information that holds the frame of a map
 constexpr double kDamping = 1e-6;
-constexpr double kTurnMax_rad = 0.3;      // of a step: beyond, the linearisation says nothing
-constexpr double kOffsetPrior = 2.0;      // sightings' worth of belief that there is no offset
-constexpr double kOffsetSure = 100.0;     // information that an offset takes before it is used
+constexpr double kTurnMax_rad = 0.3;   // of a step: beyond, the linearisation says nothing
+constexpr double kOffsetPrior = 2.0;   // sightings' worth of belief that there is no offset
+constexpr double kOffsetSure = 100.0;  // information that an offset takes before it is used
 constexpr double kOffsetMax_m = 1.0;
 constexpr double kOffsetStep = 0.7;       // of what is found: the poses have yet to follow
 constexpr double kOffsetMin_m = 0.05;     // a smaller step from none is taken for what errors have in common
@@ -82,8 +83,8 @@ std::uint32_t SightingGraph::make_groups(MapSlot map) noexcept {
   return groups;
 }
 
-/// The landmark's part of the normal equations: sum of w J^T J over its sightings, less what the landmark itself takes up
-/// by moving, (sum w J)^T (sum w J) / (sum w).
+/// The landmark's part of the normal equations: sum of w J^T J over its sightings, less what the landmark
+/// itself takes up by moving, (sum w J)^T (sum w J) / (sum w).
 void SightingGraph::add_landmark_to_system(std::uint32_t slot) noexcept {
   const GraphLandmark& l = landmarks_[slot];
   Shares shares;
@@ -108,7 +109,8 @@ void SightingGraph::add_landmark_to_system(std::uint32_t slot) noexcept {
         system(at + i, at + j) += own(i, j);
       }
     }
-    auto* share = std::find_if(shares.begin(), shares.end(), [&](const Share& other) { return other.group == pose.group; });
+    auto* share = std::find_if(shares.begin(), shares.end(),
+                               [&](const Share& other) { return other.group == pose.group; });
     if (share == shares.end()) {
       SLAMSENSOR_ASSERT(shares.try_push_back({pose.group, {}}));
       share = &shares.back();
@@ -117,7 +119,8 @@ void SightingGraph::add_landmark_to_system(std::uint32_t slot) noexcept {
     share->sum_J += weight * J;
     const double range_m = point_L.norm();
     if (range_m > 0.0) {  // along the ray, as the offset moves it
-      const Point2 along = (pose.T_W_B * (T_B_L_ * Point2(point_L / range_m))) - (pose.T_W_B * T_B_L_.translation());
+      const Point2 along =
+          (pose.T_W_B * (T_B_L_ * Point2(point_L / range_m))) - (pose.T_W_B * T_B_L_.translation());
       sum_along += weight * along;
       sum_along_weight += weight;
       offset_slope_ += weight * along.dot(residual);
@@ -197,7 +200,8 @@ void SightingGraph::find_drift(MapSlot map, std::uint32_t groups) noexcept {
   std::array<double, 3 * kGroupsMax> column{};
   const std::uint32_t unknowns = 3 * groups;
   for (std::uint32_t c = 0; c < unknowns; ++c) {
-    // Only the part of the inverse below and at `c` is needed: forward from `c`, and the norms of what is left.
+    // Only the part of the inverse below and at `c` is needed: forward from `c`, and the norms of what is
+    // left.
     std::fill_n(column.begin(), unknowns, 0.0);
     column[c] = 1.0;
     solve(std::span(column).first(unknowns));
@@ -216,7 +220,8 @@ void SightingGraph::move_groups(MapSlot map) noexcept {
     const Point2& middle = middles_[pose.group];
     const double turn_rad = std::clamp(step_[at + 2], -kTurnMax_rad, kTurnMax_rad);
     const Pose2 turn{0.0, 0.0, turn_rad};
-    const Point2 moved = middle + Point2(step_[at], step_[at + 1]) + turn * Point2(pose.T_W_B.translation() - middle);
+    const Point2 moved =
+        middle + Point2(step_[at], step_[at + 1]) + turn * Point2(pose.T_W_B.translation() - middle);
     poses_[place_of].T_W_B = {moved.x(), moved.y(), wrap_angle(pose.T_W_B.heading_rad + turn_rad)};
   });
 }

@@ -8,7 +8,8 @@
 namespace slamsensor::core {
 namespace {
 
-// Matches within the tolerance are expected to have this spread, as a share of it, before any residual is seen.
+// Matches within the tolerance are expected to have this spread, as a share of it, before any residual is
+// seen.
 constexpr double kStartSigmaShare = 1.0 / 3.0;
 
 }  // namespace
@@ -119,7 +120,8 @@ void HypothesisSet::associate_first(std::size_t hypotheses, const Deadline& dead
   for (std::size_t h = 0; h < hypotheses; ++h) {
     const MapView map = pool_[kept_[h]]->map.view();
     search_.search(scan_B_.span(), map, config_.mapping.hypotheses_max, deadline, found_[h]);
-    if (found_[h].list.empty() && found_[h].end == SearchEnd::Share && config_.association.exhaust_when_unsure) {
+    if (found_[h].list.empty() && found_[h].end == SearchEnd::Share &&
+        config_.association.exhaust_when_unsure) {
       search_.search_rest(deadline, found_[h]);
     }
     counters_.neighbours_dropped += found_[h].neighbours_dropped;
@@ -127,8 +129,8 @@ void HypothesisSet::associate_first(std::size_t hypotheses, const Deadline& dead
   }
 }
 
-/// The next generation of the parents that were associated, best W first. A parent in which the scan was not found
-/// goes on as it is; one in which it was found goes on only in its offspring, one for each candidate.
+/// The next generation of the parents that were associated, best W first. A parent in which the scan was not
+/// found goes on as it is; one in which it was found goes on only in its offspring, one for each candidate.
 HypothesisSet::Generation HypothesisSet::spawn() const noexcept {
   Generation generation;
   const auto insert = [&](const Offspring& offspring) {
@@ -172,11 +174,12 @@ void HypothesisSet::report(const Offspring& best, Fix& fix) noexcept {
   fix.map = fix.home = 1;
   fix.pose_W = candidate.pose_W;
   fix.matches = static_cast<std::uint32_t>(candidate.matches.size());
-  fix.expected_false_alarms =
-      static_cast<double>(std::max<std::uint64_t>(found.poses_tried, 1)) * std::pow(10.0, candidate.log10_chance);
+  fix.expected_false_alarms = static_cast<double>(std::max<std::uint64_t>(found.poses_tried, 1)) *
+                              std::pow(10.0, candidate.log10_chance);
   fix.error_xi = PositionalError::of_scan(map, candidate.triangle);
-  fix.covariance_near = pose_covariance(candidate.pose_W, candidate.matches.span(), scan_B_.span(), map.positions_W(),
-                                        kStartSigmaShare * config_.association.tolerance_m);
+  fix.covariance_near =
+      pose_covariance(candidate.pose_W, candidate.matches.span(), scan_B_.span(), map.positions_W(),
+                      kStartSigmaShare * config_.association.tolerance_m);
   // The residuals tell how well the scan fits the map about it. Between there and the origin stand xi
   // triangulations of the same kind; a heading error of one displaces all that follow, so their errors add up
   // rather than average out.
@@ -186,8 +189,7 @@ void HypothesisSet::report(const Offspring& best, Fix& fix) noexcept {
 
 void HypothesisSet::extend(std::uint32_t slot, const Offspring& offspring) noexcept {
   if (offspring.candidate >= 0) {
-    const Candidate& candidate =
-        found_[offspring.parent].list[static_cast<std::size_t>(offspring.candidate)];
+    const Candidate& candidate = found_[offspring.parent].list[static_cast<std::size_t>(offspring.candidate)];
     builder_.extend(scan_B_.span(), candidate, scans_ - 1, *pool_[slot]);
   }
 }

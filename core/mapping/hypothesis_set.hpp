@@ -20,9 +20,9 @@
 
 namespace slamsensor::core {
 
-/// The paper's multi-hypothesis rule, literally (II-D): on a scan each hypothesis spawns its candidates; all are ranked
-/// by W, the accumulated match count; the best Lambda_max survive; the best of them is the solution. Overlap is
-/// assumed. One thread; no allocation after construction.
+/// The paper's multi-hypothesis rule, literally (II-D): on a scan each hypothesis spawns its candidates; all
+/// are ranked by W, the accumulated match count; the best Lambda_max survive; the best of them is the
+/// solution. Overlap is assumed. One thread; no allocation after construction.
 class HypothesisSet {
  public:
   HypothesisSet(Arena& arena, const Config& config) noexcept;
@@ -83,7 +83,7 @@ class HypothesisSet {
   MapBuilder builder_;
   std::array<std::optional<Hypothesis>, kHypothesesMax> pool_;  // the first hypotheses_max exist
   FixedVector<std::uint32_t, kHypothesesMax> kept_;             // slots of pool_, best W first
-  BoundedVector<Point2> scan_B_;   // in the body frame: what core localises is the body
+  BoundedVector<Point2> scan_B_;     // in the body frame: what core localises is the body
   BoundedVector<Candidates> found_;  // per place in kept_
   Counters counters_;
   Frozen frozen_ = Frozen::No;

@@ -27,10 +27,12 @@ SightingGraph::SightingGraph(Arena& arena, const Config& config) noexcept
       used_(arena, "maps: slots in use", config.capacities.map_landmarks),
       free_(arena, "maps: free slots", config.capacities.map_landmarks),
       poses_(arena, "maps: poses", config.capacities.path_poses),
-      sightings_(arena, "maps: sightings", std::max(config.capacities.sightings, config.capacities.scan_landmarks)),
+      sightings_(arena, "maps: sightings",
+                 std::max(config.capacities.sightings, config.capacities.scan_landmarks)),
       system_(arena, "maps: group equations", std::size_t{9} * kGroupsMax * kGroupsMax) {
   drift_.fill(Eigen::Matrix3d::Zero());
-  SLAMSENSOR_ASSERT(system_.try_resize(system_.capacity()) && poses_.try_resize(poses_.capacity()) && sightings_.try_resize(sightings_.capacity()));
+  SLAMSENSOR_ASSERT(system_.try_resize(system_.capacity()) && poses_.try_resize(poses_.capacity()) &&
+                    sightings_.try_resize(sightings_.capacity()));
 }
 
 Point2 SightingGraph::body_point(const Point2& point_L) const noexcept {
@@ -44,8 +46,8 @@ std::uint32_t SightingGraph::add_landmark(MapSlot map, const Point2& position_W,
   if (!free_.empty()) {
     slot = free_.back();
     free_.truncate(free_.size() - 1);
-  } else if (!landmarks_.try_push_back({}) || !positions_.try_push_back(position_W) || !standing_.try_push_back({}) ||
-             !used_.try_push_back(0)) {
+  } else if (!landmarks_.try_push_back({}) || !positions_.try_push_back(position_W) ||
+             !standing_.try_push_back({}) || !used_.try_push_back(0)) {
     return kNone;
   }
   GraphLandmark landmark;
@@ -131,8 +133,12 @@ std::uint32_t SightingGraph::add_pose(const GraphPose& pose, std::span<const See
     const Point2 q = pose.T_W_B * body_point(s.point_L);
     GraphLandmark& l = landmarks_[s.landmark];
     const double d2 = l.sum_weight > 0.0 ? (q - positions_[s.landmark]).squaredNorm() : 0.0;
-    sightings_[at] = {static_cast<float>(s.point_L.x()), static_cast<float>(s.point_L.y()),
-                      static_cast<float>(robust_weight(d2, robust_scale_m_)), s.landmark, place_of, kNone};
+    sightings_[at] = {static_cast<float>(s.point_L.x()),
+                      static_cast<float>(s.point_L.y()),
+                      static_cast<float>(robust_weight(d2, robust_scale_m_)),
+                      s.landmark,
+                      place_of,
+                      kNone};
     chain(at);
     add_to_sum(sightings_[at], pose.T_W_B, 1.0);
     if (l.brought_by == kNone && l.first_scan == pose.scan) {
@@ -158,8 +164,10 @@ void SightingGraph::fold_oldest() noexcept {
     const Point2 q = pose.T_W_B * body_point({static_cast<double>(s.x_m), static_cast<double>(s.y_m)});
     const auto old = static_cast<double>(l.prior_weight);
     const double weight = old + static_cast<double>(s.weight);
-    l.prior_x_m = static_cast<float>((old * static_cast<double>(l.prior_x_m) + static_cast<double>(s.weight) * q.x()) / weight);
-    l.prior_y_m = static_cast<float>((old * static_cast<double>(l.prior_y_m) + static_cast<double>(s.weight) * q.y()) / weight);
+    l.prior_x_m = static_cast<float>(
+        (old * static_cast<double>(l.prior_x_m) + static_cast<double>(s.weight) * q.x()) / weight);
+    l.prior_y_m = static_cast<float>(
+        (old * static_cast<double>(l.prior_y_m) + static_cast<double>(s.weight) * q.y()) / weight);
     l.prior_weight = static_cast<float>(weight);
     l.brought_by = l.brought_by == s.pose ? kNone : l.brought_by;
     unchain(at);
@@ -200,7 +208,8 @@ void SightingGraph::remove_pose(std::uint32_t place_of) noexcept {
     if (landmarks_[slot].sightings == kNone && !(landmarks_[slot].prior_weight > 0.0F)) {
       remove_landmark(slot);
     } else {
-      landmarks_[slot].brought_by = landmarks_[slot].brought_by == place_of ? kNone : landmarks_[slot].brought_by;
+      landmarks_[slot].brought_by =
+          landmarks_[slot].brought_by == place_of ? kNone : landmarks_[slot].brought_by;
       place(slot);
     }
   }
@@ -284,10 +293,12 @@ void SightingGraph::refit_around(std::uint32_t place_of, std::uint32_t count) no
       continue;
     }
     std::uint32_t steps = 0;
-    for (std::uint32_t s = landmarks_[own.landmark].sightings; s != kNone && steps < 8; s = sightings_[s].next, ++steps) {
+    for (std::uint32_t s = landmarks_[own.landmark].sightings; s != kNone && steps < 8;
+         s = sightings_[s].next, ++steps) {
       const std::uint32_t other = sightings_[s].pose;
       const auto* const end = around.begin() + found;
-      if (other != place_of && found < around.size() && std::find(around.begin(), around.begin() + found, other) == end) {
+      if (other != place_of && found < around.size() &&
+          std::find(around.begin(), around.begin() + found, other) == end) {
         around[found++] = other;
       }
     }
@@ -309,14 +320,16 @@ void SightingGraph::refit_in_turn(std::uint32_t sightings) noexcept {
   }
 }
 
-void SightingGraph::merge(MapSlot from, MapSlot to, const Pose2& T_to_from, std::span<const Match> twins) noexcept {
+void SightingGraph::merge(MapSlot from, MapSlot to, const Pose2& T_to_from,
+                          std::span<const Match> twins) noexcept {
   for (std::uint32_t slot = 0; slot < landmarks_.size(); ++slot) {
     GraphLandmark& l = landmarks_[slot];
     if (used_[slot] == 0 || l.map != from) {
       continue;
     }
     positions_[slot] = T_to_from * positions_[slot];
-    const Point2 prior = T_to_from * Point2(static_cast<double>(l.prior_x_m), static_cast<double>(l.prior_y_m));
+    const Point2 prior =
+        T_to_from * Point2(static_cast<double>(l.prior_x_m), static_cast<double>(l.prior_y_m));
     l.prior_x_m = static_cast<float>(prior.x());
     l.prior_y_m = static_cast<float>(prior.y());
     l.map = to;
@@ -343,8 +356,10 @@ void SightingGraph::merge(MapSlot from, MapSlot to, const Pose2& T_to_from, std:
     const auto a = static_cast<double>(kept.prior_weight);
     const auto b = static_cast<double>(gone.prior_weight);
     if (b > 0.0) {
-      kept.prior_x_m = static_cast<float>((a * static_cast<double>(kept.prior_x_m) + b * static_cast<double>(gone.prior_x_m)) / (a + b));
-      kept.prior_y_m = static_cast<float>((a * static_cast<double>(kept.prior_y_m) + b * static_cast<double>(gone.prior_y_m)) / (a + b));
+      kept.prior_x_m = static_cast<float>(
+          (a * static_cast<double>(kept.prior_x_m) + b * static_cast<double>(gone.prior_x_m)) / (a + b));
+      kept.prior_y_m = static_cast<float>(
+          (a * static_cast<double>(kept.prior_y_m) + b * static_cast<double>(gone.prior_y_m)) / (a + b));
       kept.prior_weight = static_cast<float>(a + b);
     }
     kept.first_scan = std::min(kept.first_scan, gone.first_scan);

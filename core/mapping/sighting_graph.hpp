@@ -18,14 +18,14 @@ namespace slamsensor::core {
 struct GraphLandmark {
   static constexpr std::uint32_t kNoParent = UINT32_MAX;
 
-  std::uint32_t id = 0;  ///< unique in all maps, increasing
-  std::uint32_t xi = 0;  ///< positional error (Algorithm 1)
+  std::uint32_t id = 0;                                                   ///< unique in all maps, increasing
+  std::uint32_t xi = 0;                                                   ///< positional error (Algorithm 1)
   std::array<std::uint32_t, 3> parents{kNoParent, kNoParent, kNoParent};  ///< ids that triangulated it
   std::uint32_t first_scan = 0;
   std::uint32_t last_scan = 0;
-  std::uint32_t sightings = UINT32_MAX;  ///< head of the chain of its sightings in the graph
-  std::uint32_t brought_by = UINT32_MAX; ///< the pose whose scan showed it first
-  float prior_x_m = 0.0F;                ///< mean of the sightings that are not kept any more
+  std::uint32_t sightings = UINT32_MAX;   ///< head of the chain of its sightings in the graph
+  std::uint32_t brought_by = UINT32_MAX;  ///< the pose whose scan showed it first
+  float prior_x_m = 0.0F;                 ///< mean of the sightings that are not kept any more
   float prior_y_m = 0.0F;
   float prior_weight = 0.0F;
   MapSlot map = 0;
@@ -61,15 +61,16 @@ struct GraphSighting {
 
 /// Poses and landmarks of all maps, joined by sightings, and their least squares solution (DESIGN 2.6).
 ///
-/// The landmarks are eliminated: each stands at the weighted mean of its sightings, so that the unknowns are the poses.
-/// Two kinds of steps lower the sum of squares. A refit moves one pose to its best place against what the other poses
-/// say of its landmarks (block Gauss-Seidel on the reduced system, exact, in time of its sightings). A group step moves
-/// groups of consecutive poses as rigid bodies (the coarse level of a two-grid method; it spreads what a closed loop
-/// shows over the whole loop). Weights are those of a robust kernel whose scale is the tolerance or more: a smaller one
-/// would choose between sightings that disagree instead of averaging them.
+/// The landmarks are eliminated: each stands at the weighted mean of its sightings, so that the unknowns are
+/// the poses. Two kinds of steps lower the sum of squares. A refit moves one pose to its best place against
+/// what the other poses say of its landmarks (block Gauss-Seidel on the reduced system, exact, in time of its
+/// sightings). A group step moves groups of consecutive poses as rigid bodies (the coarse level of a two-grid
+/// method; it spreads what a closed loop shows over the whole loop). Weights are those of a robust kernel
+/// whose scale is the tolerance or more: a smaller one would choose between sightings that disagree instead
+/// of averaging them.
 ///
-/// Memory is fixed. Poses and sightings are two rings; when one is full the oldest pose is folded: its sightings become
-/// part of the priors of their landmarks. One thread; no allocation after construction.
+/// Memory is fixed. Poses and sightings are two rings; when one is full the oldest pose is folded: its
+/// sightings become part of the priors of their landmarks. One thread; no allocation after construction.
 class SightingGraph {
  public:
   static constexpr std::uint32_t kNone = UINT32_MAX;
@@ -88,7 +89,8 @@ class SightingGraph {
     std::uint32_t landmark;
     Point2 point_L;
   };
-  /// A pose of `map` with its sightings (at most the scan's capacity). The landmarks follow at once. Returns its place.
+  /// A pose of `map` with its sightings (at most the scan's capacity). The landmarks follow at once. Returns
+  /// its place.
   std::uint32_t add_pose(const GraphPose& pose, std::span<const Seen> seen) noexcept;
   /// Takes a pose and its sightings out; landmarks that nothing else supports go, too.
   void remove_pose(std::uint32_t pose) noexcept;
@@ -100,8 +102,8 @@ class SightingGraph {
   /// Refits about `sightings` sightings' worth of poses in turn, through all of them over time.
   void refit_in_turn(std::uint32_t sightings) noexcept;
 
-  /// Makes all of `from` part of `to`: T_to_from takes coordinates of one to the other. `twins` are pairs (of from, of
-  /// to) that are one landmark.
+  /// Makes all of `from` part of `to`: T_to_from takes coordinates of one to the other. `twins` are pairs (of
+  /// from, of to) that are one landmark.
   void merge(MapSlot from, MapSlot to, const Pose2& T_to_from, std::span<const Match> twins) noexcept;
   /// Forgets all of a map.
   void forget(MapSlot map) noexcept;
@@ -139,14 +141,15 @@ class SightingGraph {
   [[nodiscard]] std::uint64_t sightings_kept() const noexcept { return sighting_head_ - sighting_tail_; }
   [[nodiscard]] std::uint64_t poses_folded() const noexcept { return folded_; }
 
-  /// One group step on the poses of `map` (see above), and a step of the offset with it. `sigma_m` is the spread of a
-  /// sighting per axis. Takes time in proportion to the sightings of the map.
+  /// One group step on the poses of `map` (see above), and a step of the offset with it. `sigma_m` is the
+  /// spread of a sighting per axis. Takes time in proportion to the sightings of the map.
   void group_step(MapSlot map, double sigma_m) noexcept;
-  /// Variance of (x, y, heading) of a pose relative to the origin of its map, as the last group step of that map found
-  /// it, for sightings of variance 1. Zero before the first.
+  /// Variance of (x, y, heading) of a pose relative to the origin of its map, as the last group step of that
+  /// map found it, for sightings of variance 1. Zero before the first.
   [[nodiscard]] Eigen::Matrix3d drift_of(std::uint32_t pose) const noexcept {
-    return poses_[pose].map == drift_map_ ? drift_[std::min<std::size_t>(poses_[pose].group, drift_.size() - 1)]
-                                          : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
+    return poses_[pose].map == drift_map_
+               ? drift_[std::min<std::size_t>(poses_[pose].group, drift_.size() - 1)]
+               : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
   }
   [[nodiscard]] double offset_m() const noexcept { return offset_m_; }
 
