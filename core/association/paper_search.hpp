@@ -16,7 +16,7 @@
 
 namespace slamsensor::core {
 
-/// The paper's search (section II-C, DESIGN 2.3). A vertex of the correspondence graph is a pair (scan
+/// The paper's search (section II-B, DESIGN 2.3). A vertex of the correspondence graph is a pair (scan
 /// landmark, map landmark); two are joined when a scan edge and a map edge between their elements agree in
 /// length. Vertices are visited by non-increasing degree; for each, its triangles are triangulated to poses
 /// and held against the map. The joins are never stored: the neighbours of a vertex are merged from its

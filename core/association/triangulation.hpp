@@ -15,7 +15,7 @@ using PoseCandidates = FixedVector<Pose2, 2>;
 /// passes within `tolerance_m`; its heading is the circular mean of the three differences of bearing.
 /// Collinear landmarks yield both conjugates. Empty when the circles miss each other by more than the
 /// tolerance, or when all three landmarks are in line with the sensor, so that their circles touch and give
-/// no place (the paper's section II-C).
+/// no place (the paper's section II-B).
 [[nodiscard]] PoseCandidates triangulate(const std::array<Point2, 3>& scan_L,
                                          const std::array<Point2, 3>& map_W, double tolerance_m) noexcept;
 

@@ -14,7 +14,7 @@ constexpr double kRivalDecades = 2.0;        // stage 3: what makes a place a ri
 constexpr double kRivalShare =
     0.5;  // ... unless the answer explains the witnesses by this much more decades ...
 constexpr double kRivalMargin = 1.0;  // ... and how much more has to contradict it
-constexpr double kSigmas = 3.0;       // of a pose, which stay within what is called right
+constexpr double kSigmas = 3.3;       // of a pose, which stay within what is called right
 constexpr double kLocalSigmas = 1.0;
 constexpr double kLocalRisk = 1e-4;     // of a scan in a local map, or that shows again what was just seen
 constexpr double kTieRiskShare = 1e-3;  // of the risk of a fix: a tie binds many scans
@@ -46,6 +46,7 @@ double risk_of(Stake stake, const AcceptanceConfig& config) noexcept {
     case Stake::Tie:
       return kTieRiskShare * config.risk;
     case Stake::Fix:
+    case Stake::Survey:
       break;
   }
   return config.risk;
@@ -128,11 +129,12 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   if (!is_precise(best.evidence, stake, config)) {
     return refuse(verdict, FixStatus::NoFix, FixReason::TooFewLandmarks);
   }
+  const bool asks_for_copies = stake == Stake::Fix || stake == Stake::Again || stake == Stake::Tie;
   const bool is_unlike_others =
       best.evidence.group_decades >= (stake == Stake::Tie ? kTieDecades : kUnlikeDecades) &&
       contradictions <= kUnlikeContradiction && structure_decades <= kUnlikeStructure &&
       -chance >= structure_decades + (stake == Stake::Tie ? kUnlikeTieMargin : kUnlikeMargin);
-  if ((stake == Stake::Local && contradictions > kLocalContradiction) ||
+  if ((!asks_for_copies && contradictions > kLocalContradiction) ||
       (stake == Stake::Tie && !is_unlike_others && contradictions > kTieContradiction)) {
     return refuse(verdict, FixStatus::NoFix, FixReason::NoOverlap);
   }
@@ -141,13 +143,13 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   }
   const double rival_decades = std::max(kRivalDecades, kRivalShare * -chance);
   for (const Weighed& other : weighed) {
-    if (stake != Stake::Local && !is_seen_again && is_rival(other) &&
+    if (asks_for_copies && !is_seen_again && is_rival(other) &&
         decades_of(other.evidence.ln_bayes) >= rival_decades &&
         other.evidence.contradiction_decades() < contradictions + kRivalMargin) {
       return refuse(verdict, FixStatus::Ambiguous, FixReason::Symmetric);
     }
   }
-  if (stake != Stake::Local && !is_seen_again && !is_unlike_others &&
+  if (asks_for_copies && !is_seen_again && !is_unlike_others &&
       copies < (stake == Stake::Tie ? kTieDecades : kCopyDecades)) {
     return refuse(verdict, FixStatus::Ambiguous, FixReason::Copy);
   }

@@ -26,6 +26,7 @@ enum class Stake : std::uint8_t {
   Fix,    ///< a fix in the home map
   Again,  ///< the same of a scan that shows again what the scan before it showed, which was believed in this
           ///< map
+  Survey, ///< a fix in a complete survey: copies are all known, and where nothing stands nothing is
   Local,  ///< one more scan of a local map: it binds nothing until the map is tied
   Tie,    ///< two maps become one: many scans are bound at once
 };
@@ -42,7 +43,7 @@ enum class Stake : std::uint8_t {
 ///    is asked: to be wrong, the carrier must have been taken to a perfect copy between the two. Where the
 ///    world does not repeat itself (`structure_decades`, Rates) three groups, each as wide as a copse, are
 ///    enough when nothing contradicts them and the answer explains the witnesses by far more than wrong
-///    places ever did. Not asked of a local map.
+///    places ever did. Not asked of a local map, nor in a complete survey.
 /// 3. A copy that was mapped. Every other place that explains the witnesses hundredfold better than chance is
 ///    contradicted by a decade more than the answer is; raw odds mislead here, because what is missing at one
 ///    place may be new ground at the other.

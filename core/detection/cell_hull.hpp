@@ -10,7 +10,7 @@
 
 namespace slamsensor::core {
 
-/// The convex hull of a group of polar cells (the paper's section II-B). No allocation after construction;
+/// The convex hull of a group of polar cells (the paper's section II-A). No allocation after construction;
 /// one thread.
 class CellHull {
  public:

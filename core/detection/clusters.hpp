@@ -17,7 +17,7 @@ inline constexpr std::int32_t kInfiniteColumn = std::numeric_limits<std::int32_t
 /// circular run of columns with a distance, neighbours differing by at most 1; it is unobstructed when the
 /// distance at each of its two ends is lower than that of the adjoining column. A cluster that goes all the
 /// way round has no ends, hides what may be behind it everywhere, and is never a landmark (a wall around the
-/// sensor). Source: section II-B of the paper, Fig. 4.
+/// sensor). Source: section II-A of the paper, Fig. 4.
 [[nodiscard]] std::size_t find_unobstructed(std::span<const std::int32_t> row,
                                             std::span<std::uint32_t> columns) noexcept;
 

@@ -21,7 +21,7 @@ struct Sighting {
   double bearing_rad;   ///< theta' as it was read
 };
 
-/// The scanline algorithm of DESIGN 2.2 (the paper's section II-B): a temporary grid of one row that keeps
+/// The scanline algorithm of DESIGN 2.2 (the paper's section II-A): a temporary grid of one row that keeps
 /// the nearest distance per column, and its clusters. No allocation after construction; one thread.
 ///
 /// How a reading counts: no return, or a range beyond range_max, makes its column infinite; a return nearer

@@ -29,7 +29,7 @@ struct CellGroup {
   }
 };
 
-/// The spiderweb grid of DESIGN 2.2 (the paper's section II-B): how many scanlines saw something unobstructed
+/// The spiderweb grid of DESIGN 2.2 (the paper's section II-A): how many scanlines saw something unobstructed
 /// in each polar cell, with a list of the occupied cells so that no step costs more than they are. A cell has
 /// the index row * columns + column. No allocation after construction; one thread.
 class Spiderweb {

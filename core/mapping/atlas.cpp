@@ -310,6 +310,9 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
 
 /// What a fix in `map` stakes: less when this scan shows again much of what the scan before showed there.
 Stake Atlas::stake_of(MapSlot map) const noexcept {
+  if (is_surveyed_) {
+    return Stake::Survey;
+  }
   const std::size_t best = best_in(weighed_.span(), map);
   if (best == SIZE_MAX || scan_.number == 0 || maps_[map].last_scan + 1 != scan_.number) {
     return Stake::Fix;
@@ -1022,6 +1025,7 @@ MapCheck Atlas::restore(const MapState& state) noexcept {
   reset();
   jumps_ = jumps;
   home_ = 0;
+  has_fixed_ = true;  // the frame is known from before
   MapEntry& entry = maps_[0];
   entry.number = ++maps_made_;
   entry.scans = std::max(2U, static_cast<std::uint32_t>(state.path.size()));
