@@ -23,12 +23,12 @@ struct Verdict {
 
 /// How much a decision binds.
 enum class Stake : std::uint8_t {
-  Fix,    ///< a fix in the home map
-  Again,  ///< the same of a scan that shows again what the scan before it showed, which was believed in this
-          ///< map
-  Survey, ///< a fix in a complete survey: copies are all known, and where nothing stands nothing is
-  Local,  ///< one more scan of a local map: it binds nothing until the map is tied
-  Tie,    ///< two maps become one: many scans are bound at once
+  Fix,     ///< a fix in the home map
+  Again,   ///< the same of a scan that shows again what the scan before it showed, which was believed in this
+           ///< map
+  Survey,  ///< a fix in a complete survey: copies are all known, and where nothing stands nothing is
+  Local,   ///< one more scan of a local map: it binds nothing until the map is tied
+  Tie,     ///< two maps become one: many scans are bound at once
 };
 
 /// The decision (DESIGN 2.4), in three stages, each of which must be passed by the leading candidate of

@@ -46,7 +46,7 @@ constexpr std::uint32_t kProbeLandmarks = 40;  // of a place of the map that is 
 constexpr double kSurveyedAbout_m = ExploredGround::kCell_m;
 constexpr std::uint32_t kLoopScans = 20;  // a landmark unseen for so long closes a loop when it is seen again
 constexpr std::uint32_t kStepsAfterLoop = 4;  // group steps, one a scan
-constexpr std::uint32_t kGroupStepScans = 8;  // a group step after so many scans ...
+constexpr std::uint32_t kGroupStepScans = 3;  // a group step after so many scans ...
 constexpr std::uint64_t kSightingsPerScan =
     3'000;  // ... or more, so that a scan's share of it is this many sightings
 // Calibrated on real drives against their references (tests/truth): about what is left of their errors.

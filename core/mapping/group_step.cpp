@@ -17,10 +17,10 @@ constexpr double kHold = 1e9;  // information that holds the frame of a map
 constexpr double kDamping = 1e-6;
 constexpr double kTurnMax_rad = 0.3;   // of a step: beyond, the linearisation says nothing
 constexpr double kOffsetPrior = 2.0;   // sightings' worth of belief that there is no offset
-constexpr double kOffsetSure = 100.0;  // information that an offset takes before it is used
-constexpr double kOffsetMax_m = 1.0;
-constexpr double kOffsetStep = 0.7;       // of what is found: the poses have yet to follow
-constexpr double kOffsetMin_m = 0.05;     // a smaller step from none is taken for what errors have in common
+constexpr double kOffsetSigmas = 4.0;  // by which an offset has to stand out before it is used
+constexpr double kOffsetMax_m = 0.5;
+constexpr double kOffsetStep_m = 0.1;     // at a time: the association has yet to follow
+constexpr double kOffsetMin_m = 0.08;     // a smaller step from none is taken for what errors have in common
 constexpr double kOffsetWorth_m = 0.002;  // a smaller change is not worth moving all landmarks
 
 }  // namespace
@@ -32,30 +32,34 @@ void SightingGraph::group_step(MapSlot map, double sigma_m) noexcept {
   }
   std::fill(system_.begin(), system_.end(), 0.0);
   step_.fill(0.0);
-  offset_slope_ = offset_information_ = 0.0;
   for (std::uint32_t slot = 0; slot < landmarks_.size(); ++slot) {
     if (used_[slot] != 0 && landmarks_[slot].map == map && landmarks_[slot].sightings != kNone) {
-      add_landmark_to_system(slot);
+      add_landmark_to_system(slot, 3 * groups);
     }
   }
+  const std::uint32_t unknowns = 3 * groups + 1;
+  system(unknowns - 1, unknowns - 1) += kOffsetPrior;
+  step_[unknowns - 1] -= kOffsetPrior * offset_m_;
   hold_frame(map, groups);
-  if (!factorise(3 * groups)) {
+  if (!factorise(unknowns)) {
     return;
   }
-  const std::array<double, 3 * kGroupsMax> slope = step_;
-  solve(std::span(step_).first(std::size_t{3} * groups));
+  const std::array<double, kUnknownsMax> slope = step_;
+  solve(std::span(step_).first(unknowns));
   find_drift(map, groups);
   double gain = 0.0;  // of the step: by how much it lowers the sum of squares
-  for (std::size_t i = 0; i < std::size_t{3} * groups; ++i) {
+  for (std::size_t i = 0; i < std::size_t{unknowns}; ++i) {
     gain += slope[i] * step_[i];
   }
-  const bool is_worth_it = gain > kGainMin * sigma_m * sigma_m;
-  if (is_worth_it) {
-    move_groups(map);
+  if (gain < kGainMin * sigma_m * sigma_m) {
+    return;
   }
-  if (step_offset() || is_worth_it) {
-    sum_anew();
+  // The offset is found where each pose is a group of its own: larger groups would bend to take it up.
+  if (groups < kGroupsMax) {
+    step_offset(step_[unknowns - 1], sigma_m / system(unknowns - 1, unknowns - 1));
   }
+  move_groups(map);
+  sum_anew();
 }
 
 /// Groups of consecutive poses, and their middles. Returns how many.
@@ -85,11 +89,10 @@ std::uint32_t SightingGraph::make_groups(MapSlot map) noexcept {
 
 /// The landmark's part of the normal equations: sum of w J^T J over its sightings, less what the landmark
 /// itself takes up by moving, (sum w J)^T (sum w J) / (sum w).
-void SightingGraph::add_landmark_to_system(std::uint32_t slot) noexcept {
+void SightingGraph::add_landmark_to_system(std::uint32_t slot, std::uint32_t offset_at) noexcept {
   const GraphLandmark& l = landmarks_[slot];
   Shares shares;
   Point2 sum_along = Point2::Zero();
-  double sum_along_weight = 0.0;
   for (std::uint32_t s = l.sightings; s != kNone; s = sightings_[s].next) {
     const GraphSighting& sighting = sightings_[s];
     const GraphPose& pose = poses_[sighting.pose];
@@ -122,11 +125,20 @@ void SightingGraph::add_landmark_to_system(std::uint32_t slot) noexcept {
       const Point2 along =
           (pose.T_W_B * (T_B_L_ * Point2(point_L / range_m))) - (pose.T_W_B * T_B_L_.translation());
       sum_along += weight * along;
-      sum_along_weight += weight;
-      offset_slope_ += weight * along.dot(residual);
+      const Eigen::Vector3d cross = weight * J.transpose() * along;
+      step_[offset_at] -= weight * along.dot(residual);
+      system(offset_at, offset_at) += weight;
+      for (std::uint32_t i = 0; i < 3; ++i) {
+        system(offset_at, at + i) += cross(i);
+      }
     }
   }
+  system(offset_at, offset_at) -= sum_along.squaredNorm() / l.sum_weight;
   for (const Share& a : shares) {
+    const Eigen::Vector3d cross = a.sum_J.transpose() * sum_along / l.sum_weight;
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      system(offset_at, 3 * a.group + i) -= cross(i);
+    }
     for (const Share& b : shares) {
       const Eigen::Matrix3d common = a.sum_J.transpose() * b.sum_J / l.sum_weight;
       for (std::uint32_t i = 0; i < 3; ++i) {
@@ -136,7 +148,6 @@ void SightingGraph::add_landmark_to_system(std::uint32_t slot) noexcept {
       }
     }
   }
-  offset_information_ += sum_along_weight - sum_along.squaredNorm() / l.sum_weight;
 }
 
 /// The first scan holds the frame of its map; where it is kept no more, the priors that it left do.
@@ -197,9 +208,9 @@ void SightingGraph::solve(std::span<double> x) const noexcept {
 /// The variance of a group is its block of the inverse.
 void SightingGraph::find_drift(MapSlot map, std::uint32_t groups) noexcept {
   drift_map_ = map;
-  std::array<double, 3 * kGroupsMax> column{};
-  const std::uint32_t unknowns = 3 * groups;
-  for (std::uint32_t c = 0; c < unknowns; ++c) {
+  std::array<double, kUnknownsMax> column{};
+  const std::uint32_t unknowns = 3 * groups + 1;
+  for (std::uint32_t c = 0; c < 3 * groups; ++c) {
     // Only the part of the inverse below and at `c` is needed: forward from `c`, and the norms of what is
     // left.
     std::fill_n(column.begin(), unknowns, 0.0);
@@ -226,18 +237,13 @@ void SightingGraph::move_groups(MapSlot map) noexcept {
   });
 }
 
-bool SightingGraph::step_offset() noexcept {
-  if (offset_information_ < kOffsetSure) {
-    return false;
+/// The offset as it follows from all sightings together with the poses; `sigma_m` is its own 1 sigma.
+void SightingGraph::step_offset(double step_m, double sigma_m) noexcept {
+  const double worth_m = offset_m_ == 0.0 ? std::max(kOffsetMin_m, kOffsetSigmas * sigma_m) : kOffsetWorth_m;
+  if (std::abs(step_m) >= worth_m) {
+    offset_m_ = std::clamp(offset_m_ + std::clamp(step_m, -kOffsetStep_m, kOffsetStep_m), -kOffsetMax_m,
+                           kOffsetMax_m);
   }
-  const double step_m =
-      -kOffsetStep * (offset_slope_ + kOffsetPrior * offset_m_) / (offset_information_ + kOffsetPrior);
-  const double worth_m = offset_m_ == 0.0 ? kOffsetMin_m : kOffsetWorth_m;
-  if (std::abs(step_m) < worth_m) {
-    return false;
-  }
-  offset_m_ = std::clamp(offset_m_ + step_m, -kOffsetMax_m, kOffsetMax_m);
-  return true;
 }
 
 }  // namespace slamsensor::core

@@ -29,7 +29,7 @@ SightingGraph::SightingGraph(Arena& arena, const Config& config) noexcept
       poses_(arena, "maps: poses", config.capacities.path_poses),
       sightings_(arena, "maps: sightings",
                  std::max(config.capacities.sightings, config.capacities.scan_landmarks)),
-      system_(arena, "maps: group equations", std::size_t{9} * kGroupsMax * kGroupsMax) {
+      system_(arena, "maps: group equations", std::size_t{kUnknownsMax} * kUnknownsMax) {
   drift_.fill(Eigen::Matrix3d::Zero());
   SLAMSENSOR_ASSERT(system_.try_resize(system_.capacity()) && poses_.try_resize(poses_.capacity()) &&
                     sightings_.try_resize(sightings_.capacity()));

@@ -155,7 +155,8 @@ class SightingGraph {
 
  private:
   static constexpr std::uint32_t kGroupsMax = 40;
-  static constexpr std::uint32_t kGroupPosesMin = 3;
+  static constexpr std::uint32_t kGroupPosesMin = 1;
+  static constexpr std::uint32_t kUnknownsMax = 3 * kGroupsMax + 1;  // the offset is the last one
 
   /// What one group says of one landmark.
   struct Share {
@@ -171,18 +172,18 @@ class SightingGraph {
   void fold_oldest() noexcept;
   void sum_anew() noexcept;
   [[nodiscard]] std::uint32_t make_groups(MapSlot map) noexcept;
-  void add_landmark_to_system(std::uint32_t slot) noexcept;
+  void add_landmark_to_system(std::uint32_t slot, std::uint32_t offset_at) noexcept;
   void hold_frame(MapSlot map, std::uint32_t groups) noexcept;
   [[nodiscard]] bool factorise(std::uint32_t unknowns) noexcept;
   void solve(std::span<double> x) const noexcept;
   void move_groups(MapSlot map) noexcept;
   void find_drift(MapSlot map, std::uint32_t groups) noexcept;
-  [[nodiscard]] bool step_offset() noexcept;
+  void step_offset(double step_m, double sigma_m) noexcept;
   [[nodiscard]] double& system(std::uint32_t row, std::uint32_t column) noexcept {
-    return system_[std::size_t{row} * 3 * kGroupsMax + column];
+    return system_[std::size_t{row} * kUnknownsMax + column];
   }
   [[nodiscard]] double system(std::uint32_t row, std::uint32_t column) const noexcept {
-    return system_[std::size_t{row} * 3 * kGroupsMax + column];
+    return system_[std::size_t{row} * kUnknownsMax + column];
   }
 
   MountConfig mount_;
@@ -204,13 +205,11 @@ class SightingGraph {
   std::uint64_t turn_ = 0;  // of refit_in_turn
   std::uint64_t folded_ = 0;
   BoundedVector<double> system_;  // of the groups: normal equations, then their Cholesky factor
-  std::array<double, 3 * kGroupsMax> step_{};
+  std::array<double, kUnknownsMax> step_{};
   std::array<Point2, kGroupsMax> middles_{};  // of the groups
   std::array<double, kGroupsMax> members_{};
   std::array<Eigen::Matrix3d, kGroupsMax> drift_{};
   MapSlot drift_map_ = UINT16_MAX;
-  double offset_slope_ = 0.0;
-  double offset_information_ = 0.0;
   std::uint32_t next_id_ = 0;
 
  public:
