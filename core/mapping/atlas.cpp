@@ -294,8 +294,8 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
     note_places(chosen);
     extend(chosen);
     tie_of = chosen.candidate.map;
-  } else {
-    start_map(fix);
+  } else if (fix.search_end != SearchEnd::Deadline || graph_.index().size() == 0) {
+    start_map(fix);  // a search that was cut does not say that the place is unknown
   }
   if (is_held_back && fix.status == FixStatus::Fix) {
     fix.status = FixStatus::NoFix;
