@@ -69,8 +69,8 @@ void finish(Row& row, const Tally& tally, const Times& times, double megabytes) 
       .finish(times.mean_ms());
 }
 
-void measure_core(Row row, const MatchingTask& task, Effort effort) {
-  CoreMatcher matcher(task.map_W, effort);
+void measure_core(Row row, const MatchingTask& task, core::SearchMethod search) {
+  CoreMatcher matcher(task.map_W, search);
   Tally tally;
   Times times(task.queries.size());
   for (const Query& query : task.queries) {
@@ -82,7 +82,7 @@ void measure_core(Row row, const MatchingTask& task, Effort effort) {
 }
 
 void measure_foreign(Row row, const MatchingTask& task) {
-  CoreMatcher matcher(task.map_W, Effort::Product);
+  CoreMatcher matcher(task.map_W, core::SearchMethod::Fast);
   std::size_t accepted = 0;
   std::size_t ambiguous = 0;
   Times times(task.foreign.size());
@@ -131,13 +131,12 @@ class Program {
  public:
   explicit Program(const AssociationOptions& options) : options_(options), tasks_(options) {
     for (std::size_t size = 0; size < kMapSizes.size(); ++size) {
-      add_core(size, Effort::Eighth, "first 1/8");
-      add_core(size, Effort::Whole, "exhaustive");
-      add_core(size, Effort::Product, "1/8, rest when unsure");
+      add_core(size, core::SearchMethod::Fast, "fast search");
+      add_core(size, core::SearchMethod::Paper, "the paper's search, exhaustive");
       add_peers(size);
     }
     for (std::size_t size = 0; size < kMapSizes.size(); ++size) {
-      const std::string name = name_of("foreign", size, "1/8, rest when unsure");
+      const std::string name = name_of("foreign", size, "fast search");
       add_benchmark(name, [this, name, size](benchmark::State& state) {
         measure_foreign(Row(state, foreign_report_, "n = " + std::to_string(kMapSizes[size])),
                         tasks_.of(size));
@@ -157,10 +156,10 @@ class Program {
     return kind + "/n=" + std::to_string(kMapSizes[size]) + "/" + method;
   }
 
-  void add_core(std::size_t size, Effort effort, const std::string& words) {
+  void add_core(std::size_t size, core::SearchMethod search, const std::string& words) {
     const std::string method = "slamsensor, " + words;
     add_benchmark(name_of("association", size, method), [=, this](benchmark::State& state) {
-      measure_core(Row(state, report_, row_name(size, method)), tasks_.of(size), effort);
+      measure_core(Row(state, report_, row_name(size, method)), tasks_.of(size), search);
     });
   }
 

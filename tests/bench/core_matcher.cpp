@@ -1,18 +1,23 @@
 #include "tests/bench/core_matcher.hpp"
 
+#include "tests/support/forest.hpp"
+
 #include <cstdlib>
+#include <memory>
+#include <vector>
 
 namespace slamsensor::bench {
 namespace {
 
-core::Config config_for(std::size_t landmarks, Effort effort) {
+core::Config config_for(std::size_t landmarks, core::SearchMethod search) {
   core::Config config;
-  config.association.order_share = effort == Effort::Whole ? 1.0 : 0.125;
-  config.association.exhaust_when_unsure = effort == Effort::Product;
-  config.mapping.hypotheses_max = 1;      // a frozen map needs one pose per place
+  config.association.search = search;
+  config.association.order_share = 1.0;   // of the paper's search
   config.capacities.scan_landmarks = 32;  // the task's scans have at most 25
   config.capacities.map_landmarks = static_cast<std::uint32_t>(landmarks);
   config.capacities.map_edges = 12 * config.capacities.map_landmarks;
+  config.capacities.path_poses = 1;  // a survey has no path
+  config.capacities.sightings = 1;
   return config;
 }
 
@@ -26,24 +31,18 @@ std::size_t bytes_of(const Args&... args) {
 
 }  // namespace
 
-CoreMatcher::CoreMatcher(std::span<const core::Point2> map_W, Effort effort)
-    : config_(config_for(map_W.size(), effort)),
-      map_(config_.capacities),
-      search_(config_.association, config_.capacities) {
-  for (const core::Point2& p : map_W) {
-    if (!map_->try_add({}, p)) {
-      std::abort();
-    }
+CoreMatcher::CoreMatcher(std::span<const core::Point2> map_W, core::SearchMethod search)
+    : config_(config_for(map_W.size(), search)),
+      localizer_(config_),
+      bytes_(bytes_of<core::Localizer>(config_)) {
+  if (!localizer_->set_map(map_W)) {
+    std::abort();
   }
-  tests::InArena<core::Delaunay> delaunay(config_.capacities.map_landmarks);
-  map_->rebuild_index(*delaunay, config_.association);
-  bytes_ = bytes_of<core::LandmarkMap>(config_.capacities) +
-           bytes_of<core::PaperSearch>(config_.association, config_.capacities) + sizeof(core::Candidates);
 }
 
 CoreMatcher::Answer CoreMatcher::locate(std::span<const core::Point2> scan_L) {
-  const core::Verdict verdict = core::associate(scan_L, map_->view(), config_, {}, *search_, *found_);
-  return {verdict.status, found_->list.empty() ? core::Pose2{} : found_->list[0].pose_W};
+  const core::Fix fix = localizer_->locate(tests::as_landmarks({scan_L.begin(), scan_L.end()}), {}, {});
+  return {fix.status, fix.pose_W};
 }
 
 }  // namespace slamsensor::bench

@@ -78,7 +78,7 @@ void measure_steps(Row row) {
     const HeapWatch watch;
     const std::uint64_t faults_before = page_faults_now();
     core::Fix fix;
-    const double ms = cpu_of_ms([&] { fix = slam->process(scans[s].landmarks, {}, {}); });
+    const double ms = cpu_of_ms([&] { fix = slam->process(scans[s].landmarks, {}, {}, {}); });
     const std::uint64_t faults_after = page_faults_now();
     if (s > 0) {
       times.add(ms);

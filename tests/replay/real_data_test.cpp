@@ -3,6 +3,7 @@
 
 #include "core/localizer.hpp"
 #include "firmware/config/load_config.hpp"
+#include "tests/support/forest.hpp"
 #include "tests/support/in_arena.hpp"
 #include "tests/support/source_tree.hpp"
 #include "tools/eval/evaluation.hpp"
@@ -118,7 +119,7 @@ TEST_F(RealData, RiojaPlotsAllMatchTheirSurvey) {
   tests::InArena<core::Localizer> localizer(config);
   for (const auto& [plot, map_W] : maps) {
     ASSERT_TRUE(localizer->set_map(map_W));
-    const core::Fix fix = localizer->locate(scans.at(plot), {});
+    const core::Fix fix = localizer->locate(tests::as_landmarks(scans.at(plot)), {}, {});
     const double rotation_deg = fix.pose_W.heading_rad * 180.0 / std::numbers::pi;
     std::printf("rioja plot %2d: %u of %zu trees, %.2f deg, %.2f m\n", plot, fix.matches,
                 scans.at(plot).size(), rotation_deg, fix.pose_W.translation().norm());
@@ -140,7 +141,7 @@ TEST_F(RealData, RiojaPlotsAreFoundInNeighboursOnlyAsTheyLie) {
   for (const auto& [plot, map_W] : maps) {
     ASSERT_TRUE(localizer->set_map(map_W));
     for (const auto& [other, scan_L] : scans) {
-      const core::Fix fix = localizer->locate(scan_L, {});
+      const core::Fix fix = localizer->locate(tests::as_landmarks(scan_L), {}, {});
       if (other != plot && fix.status == core::FixStatus::Fix) {
         ++fixes;
         const double rotation_deg = fix.pose_W.heading_rad * 180.0 / std::numbers::pi;

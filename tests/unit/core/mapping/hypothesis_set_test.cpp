@@ -64,29 +64,11 @@ TEST(HypothesisSet, AKidnappedSensorFindsItselfInItsMap) {
   }
 }
 
-TEST(HypothesisSet, ARefusedScanDoesNotTouchTheMap) {
-  Draw draw(6);
-  const Forest here = tests::make_forest(60, draw);
-  const Forest elsewhere = tests::make_forest(60, draw);
-  tests::InArena<HypothesisSet> set(test_config());
-  (void)process(*set, tests::scan_forest(here, {}, {}, draw));
-  const std::vector<Point2> before(set->best().map.positions_W().begin(),
-                                   set->best().map.positions_W().end());
-  const Fix fix = process(*set, tests::scan_forest(elsewhere, {}, {}, draw));
-  EXPECT_EQ(fix.status, FixStatus::NoFix);
-  EXPECT_EQ(fix.reason, FixReason::NoOverlap);
-  EXPECT_EQ(std::vector<Point2>(set->best().map.positions_W().begin(), set->best().map.positions_W().end()),
-            before);
-  EXPECT_EQ(set->best().path.size(), 1U);
-}
-
 TEST(HypothesisSet, ThePaperRuleTakesTheBestWhateverItIs) {
   Draw draw(7);
   const Forest here = tests::make_forest(60, draw);
   const Forest elsewhere = tests::make_forest(60, draw);
-  Config config = test_config();
-  config.acceptance.rule = AcceptanceRule::Paper;
-  tests::InArena<HypothesisSet> set(config);
+  tests::InArena<HypothesisSet> set(test_config());
   (void)process(*set, tests::scan_forest(here, {}, {}, draw));
   const Fix fix = process(*set, tests::scan_forest(elsewhere, {}, {}, draw));
   EXPECT_EQ(fix.status, FixStatus::Fix);
@@ -124,7 +106,6 @@ TEST(HypothesisSet, KeepsAtMostLambdaMaxRankedByW) {
   Draw draw(8);
   const Forest forest = tests::make_forest(100, draw);
   Config config = test_config();
-  config.acceptance.rule = AcceptanceRule::Paper;
   config.association.tolerance_m = 1.0;
   tests::InArena<HypothesisSet> set(config);
   Fix fix;

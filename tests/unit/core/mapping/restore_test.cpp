@@ -23,10 +23,9 @@ Config test_config(std::uint32_t hypotheses_max) {
   return c;
 }
 
-/// A configuration that keeps three hypotheses alive: every candidate goes on, believed or not.
+/// A configuration that keeps three hypotheses alive.
 Config several_config() {
   Config c = test_config(3);
-  c.acceptance.rule = AcceptanceRule::Paper;
   c.association.tolerance_m = 1.0;
   return c;
 }
