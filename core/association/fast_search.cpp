@@ -145,6 +145,9 @@ bool FastSearch::try_pair(std::uint32_t apex, std::uint32_t i, std::uint32_t j, 
 }
 
 bool FastSearch::is_over(Candidates& found) noexcept {
+  if (found.end == SearchEnd::Deadline) {
+    return true;
+  }
   if (work_ - looked_at_ >= kWorkPerDeadlineLook) {
     looked_at_ = work_;
     if (deadline_.expired()) {
