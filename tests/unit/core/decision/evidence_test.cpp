@@ -1,0 +1,212 @@
+#include "core/decision/evidence.hpp"
+
+#include "core/association/fast_search.hpp"
+#include "tests/support/forest.hpp"
+#include "tests/support/in_arena.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+namespace slamsensor::core {
+namespace {
+
+using tests::Draw;
+using tests::Forest;
+
+Capacities capacities_of(const Forest& forest) {
+  Capacities c;
+  c.scan_landmarks = 64;
+  c.map_landmarks = static_cast<std::uint32_t>(forest.trees_W.size() + 10);
+  return c;
+}
+
+/// A forest that is mapped, and was looked at all over.
+class Mapped {
+ public:
+  explicit Mapped(Forest forest)
+      : positions(std::move(forest.trees_W)),
+        standing(positions.size() + 10, Standing{5, 6}),
+        capacities_(capacities_of({positions, 0.0})),
+        index(AssociationConfig{}, capacities_),
+        ground(capacities_),
+        search_(AssociationConfig{}, capacities_) {
+    for (std::uint32_t slot = 0; slot < positions.size(); ++slot) {
+      index->insert(slot, 0, positions[slot]);
+    }
+    rates.bearings.fill(100.0F);
+    for (double x = -0.5 * forest.side_m; x < 0.5 * forest.side_m; x += 4.0) {
+      for (double y = -0.5 * forest.side_m; y < 0.5 * forest.side_m; y += 4.0) {
+        for (int look = 0; look < 4; ++look) {
+          ground->look(0, {x, y}, 0.7);
+        }
+      }
+    }
+  }
+  Evidence weigh(const std::vector<Point2>& scan, Candidate& candidate) {
+    Witnesses witnesses;
+    witnesses.points_B = scan;
+    witnesses.view = &view;
+    return scale_.weigh(witnesses, {*index, positions, standing, *ground, rates}, candidate);
+  }
+  Evidence weigh_at(const std::vector<Point2>& scan, const Pose2& pose) {
+    Candidate candidate;
+    candidate.pose_W = pose;
+    return weigh(scan, candidate);
+  }
+  /// The largest of the evidence of all poses that the search finds.
+  double most_nats(const std::vector<Point2>& scan) {
+    search_->search(scan, *index, positions, kNoMap, {}, {}, *found_);
+    double most = -1e9;
+    for (Candidate& candidate : found_->list) {
+      most = std::max(most, weigh(scan, candidate).ln_bayes);
+    }
+    return most;
+  }
+
+  std::vector<Point2> positions;
+  std::vector<Standing> standing;
+  Rates rates;
+  ScanView view;
+
+ private:
+  Capacities capacities_;
+
+ public:
+  tests::InArena<LandmarkIndex> index;
+  tests::InArena<ExploredGround> ground;
+
+ private:
+  tests::InArena<FastSearch> search_;
+  EvidenceScale scale_{AssociationConfig{}, AcceptanceConfig{}};
+  std::unique_ptr<Candidates> found_ = std::make_unique<Candidates>();
+};
+
+// Whatever number of poses is tried, a foreign scan reaches a Bayes factor of t with a chance of 1 / t at
+// most.
+TEST(Evidence, ForeignScansSeldomSpeakForAPlace) {
+  int scans = 0;
+  std::vector<double> decades;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Draw draw(600 + seed);
+    Mapped mapped(tests::make_forest(180, draw));
+    const Forest elsewhere = tests::make_forest(180, draw);
+    for (int i = 0; i < 200; ++i, ++scans) {
+      const auto scan = tests::scan_forest(elsewhere, tests::pose_in(elsewhere, draw), {}, draw);
+      decades.push_back(mapped.most_nats(scan) / std::numbers::ln10);
+    }
+  }
+  for (const double t : {1.0, 2.0, 3.0}) {
+    const auto above = std::count_if(decades.begin(), decades.end(), [&](double d) { return d > t; });
+    const double expected = scans * std::pow(10.0, -t);
+    EXPECT_LE(static_cast<double>(above), expected + 3.0 * std::sqrt(expected) + 1.0) << t << " decades";
+  }
+}
+
+TEST(Evidence, TrueScansSpeakLoudly) {
+  Draw draw(21);
+  const Forest forest = tests::make_forest(180, draw);
+  Mapped mapped(forest);
+  int loud = 0;
+  for (int i = 0; i < 50; ++i) {
+    const Pose2 truth = tests::pose_in(forest, draw);
+    const auto scan = tests::scan_forest(forest, truth, {}, draw);
+    const Evidence evidence = mapped.weigh_at(scan, truth);
+    loud += evidence.ln_bayes > 6.0 * std::numbers::ln10 ? 1 : 0;
+    EXPECT_GT(evidence.covariance(0, 0), 0.0);
+    EXPECT_GE(evidence.explored, evidence.unmatched);
+    EXPECT_GE(evidence.in_view, evidence.missing);
+  }
+  EXPECT_GE(loud, 45);
+}
+
+TEST(Evidence, LandmarksOfTheScanThatTheMapLacksSpeakAgainstIt) {
+  Draw draw(22);
+  const Forest forest = tests::make_forest(180, draw);
+  Mapped mapped(forest);
+  auto scan = tests::scan_forest(forest, {}, {24, 0.0, 0, 0.05}, draw);
+  Evidence before = mapped.weigh_at(scan, {});
+  EXPECT_EQ(before.unmatched, 0U);
+  EXPECT_EQ(before.log10_unmatched, 0.0);
+  for (int extra = 0; extra < 6;) {
+    const Point2 p{draw.uniform(-15.0, 15.0), draw.uniform(-15.0, 15.0)};
+    double d2 = 0.0;
+    if (mapped.index->nearest_within(0, p, 2.0, d2) != LandmarkIndex::kNone) {
+      continue;
+    }
+    scan.push_back(p);
+    const Evidence after = mapped.weigh_at(scan, {});
+    EXPECT_EQ(after.unmatched, static_cast<std::uint32_t>(++extra));
+    EXPECT_LT(after.ln_bayes, before.ln_bayes);
+    EXPECT_LT(after.log10_unmatched, before.log10_unmatched);
+    before = after;
+  }
+}
+
+TEST(Evidence, OnNewGroundNothingIsUnmatched) {
+  Draw draw(23);
+  const Forest forest = tests::make_forest(180, draw);
+  Mapped mapped(forest);
+  auto scan = tests::scan_forest(forest, {}, {24, 0.0, 0, 0.05}, draw);
+  const Evidence before = mapped.weigh_at(scan, {});
+  mapped.ground->clear();
+  mapped.ground->look(0, {500.0, 500.0}, 0.5);
+  scan.push_back({1.0, 1.0});
+  EXPECT_LE(mapped.weigh_at(scan, {}).log10_unmatched, 0.0);
+  EXPECT_EQ(mapped.weigh_at(scan, {}).unmatched, 0U);
+  EXPECT_EQ(before.unmatched, 0U);
+}
+
+TEST(Evidence, LandmarksOfTheMapThatAreNotShownSpeakAgainstIt) {
+  Draw draw(24);
+  const Forest forest = tests::make_forest(180, draw);
+  Mapped mapped(forest);
+  auto scan = tests::scan_forest(forest, {}, {24, 0.0, 0, 0.05}, draw);
+  std::sort(scan.begin(), scan.end(), [](const Point2& a, const Point2& b) { return a.norm() > b.norm(); });
+  Evidence before = mapped.weigh_at(scan, {});
+  for (int gone = 1; gone <= 8; ++gone) {
+    scan.pop_back();  // the nearest; the farthest says how far the scan saw
+    const Evidence after = mapped.weigh_at(scan, {});
+    EXPECT_EQ(after.missing, before.missing + 1);
+    EXPECT_LT(after.ln_bayes, before.ln_bayes);
+    EXPECT_LT(after.log10_missing, before.log10_missing);
+    before = after;
+  }
+}
+
+TEST(Evidence, WhatIsHiddenIsNotMissing) {
+  Draw draw(25);
+  const Forest forest = tests::make_forest(180, draw);
+  Mapped mapped(forest);
+  auto scan = tests::scan_forest(forest, {}, {24, 0.0, 0, 0.05}, draw);
+  std::sort(scan.begin(), scan.end(), [](const Point2& a, const Point2& b) { return a.y() < b.y(); });
+  scan.resize(scan.size() / 2 + 2);  // to the right
+  std::vector<float> free_m(360, 80.0F);
+  std::fill(free_m.begin(), free_m.begin() + 180, 1.0F);  // a wall to the left
+  const Evidence open = mapped.weigh_at(scan, {});
+  mapped.view.free_m = free_m;
+  const Evidence walled = mapped.weigh_at(scan, {});
+  EXPECT_LT(walled.missing + 5, open.missing);
+  EXPECT_GT(walled.ln_bayes, open.ln_bayes);
+  EXPECT_GT(walled.log10_missing, open.log10_missing);
+}
+
+TEST(Evidence, LandmarksWithinTheSizeOfACopyAreOneGroup) {
+  Draw draw(26);
+  Forest copse{{}, 60.0};
+  for (int i = 0; i < 12; ++i) {
+    copse.trees_W.push_back({2.5 * (i % 4) - 4.0 + draw.normal(0.4), 2.5 * (i / 4) - 4.0 + draw.normal(0.4)});
+  }
+  Mapped one(copse);
+  const auto scan = tests::scan_forest(copse, {}, {12, 0.0, 0, 0.02}, draw);
+  EXPECT_NEAR(one.weigh_at(scan, {}).group_decades, 0.0, 1e-9);
+  const Forest forest = tests::make_forest(180, draw);
+  Mapped many(forest);
+  const auto wide = tests::scan_forest(forest, {}, {40, 0.0, 0, 0.05}, draw);
+  EXPECT_GT(many.weigh_at(wide, {}).group_decades, 2.0);
+}
+
+}  // namespace
+}  // namespace slamsensor::core
