@@ -92,6 +92,8 @@ void Atlas::reset() noexcept {
   scans_ = 0;
   jumps_ = 0;
   maps_made_ = 0;
+  landmarks_evicted_ = 0;
+  closed_scan_ = group_steps_due_ = scans_since_step_ = 0;
   ++revision_;
 }
 

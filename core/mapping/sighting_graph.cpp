@@ -420,8 +420,10 @@ void SightingGraph::clear() noexcept {
   free_.clear();
   index_.clear();
   pose_head_ = pose_tail_ = sighting_head_ = sighting_tail_ = turn_ = 0;
+  folded_ = 0;
   next_id_ = 0;
   offset_m_ = 0.0;
+  drift_map_ = UINT16_MAX;
 }
 
 }  // namespace slamsensor::core
