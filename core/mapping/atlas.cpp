@@ -360,6 +360,7 @@ void Atlas::note_places(const Weighed& local) noexcept {
 void Atlas::extend(const Weighed& w) noexcept {
   const MapSlot map = w.candidate.map;
   MapEntry& entry = maps_[map];
+  entry.last_scan = scan_.number;  // from here on it is no map that could make room for others
   learn_from(w);
   rates_.see_runner_up(runner_up_decades(weighed_.span(), static_cast<std::size_t>(&w - weighed_.begin()),
                                          config_.acceptance));
@@ -398,7 +399,6 @@ void Atlas::extend(const Weighed& w) noexcept {
   look_around(map, w.candidate.pose_W);
   entry.W += w.candidate.matches.size();
   ++entry.scans;
-  entry.last_scan = scan_.number;
   entry.last_pose = w.candidate.pose_W;
   if (!is_saturated) {
     GraphPose pose;
