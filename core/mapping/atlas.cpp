@@ -35,6 +35,7 @@ constexpr double kNeverThere = 0.02;  // the same of one that was seen once
 constexpr double kSeldom = 0.12;      // a landmark shown by fewer of its chances than this goes ...
 constexpr std::uint32_t kSeldomChances = 15;  // ... after so many
 constexpr double kTwinSigmas = 4.5;           // nearer to a landmark than this, nothing new is put
+constexpr double kTwinGateSigmas = 3.0;  // nearer to each other than this, landmarks of tied maps are one
 constexpr std::uint32_t kSaturated =
     60;                               // sightings of each match after which a scan adds nothing to the graph
 constexpr double kLearnApart = 0.03;  // of the scan's reach
@@ -880,31 +881,63 @@ void Atlas::confirm_tie(MapSlot map, const Weighed& w) noexcept {
   }
 }
 
-void Atlas::tie(MapSlot map, const Weighed& w) noexcept {
-  const MapSlot to = w.candidate.map;
-  std::uint32_t xi = 0;
-  for (const std::uint32_t slot : w.candidate.triangle) {
-    xi = std::max(xi, graph_.landmark(slot).xi);
-  }
-  for (std::uint32_t slot = 0; slot < graph_.slots(); ++slot) {
-    if (graph_.is_used(slot) && graph_.landmark(slot).map == map) {
-      graph_.landmark(slot).xi += xi + 1;
-    }
-  }
-  FixedVector<Match, kScanLandmarksMax> twins;
+/// Pairs of landmarks, of `map` and of the map that it is tied to, that are one: those that the tie matched, and what else
+/// stands at one place, as far as there is room.
+MatchList Atlas::twins_of(MapSlot map, const Weighed& w) const noexcept {
+  MatchList twins;
   for (const Match& match : w.candidate.matches) {
     SLAMSENSOR_ASSERT(twins.try_push_back({confirmed_slots_[match.scan], match.map}));
   }
+  const double gate_m = kTwinGateSigmas * rates_.sigma_m(scale_.start_sigma_m());
+  for (std::uint32_t slot = 0; slot < graph_.slots(); ++slot) {
+    double d2 = 0.0;
+    if (!graph_.is_used(slot) || graph_.landmark(slot).map != map) {
+      continue;
+    }
+    const Point2 p = w.candidate.pose_W * graph_.positions()[slot];
+    const std::uint32_t twin = graph_.index().nearest_within(w.candidate.map, p, gate_m, d2);
+    const bool is_taken = std::any_of(twins.begin(), twins.end(),
+                                      [&](const Match& pair) { return pair.scan == slot || pair.map == twin; });
+    if (twin != LandmarkIndex::kNone && !is_taken && !twins.try_push_back({slot, twin})) {
+      break;
+    }
+  }
+  return twins;
+}
+
+void Atlas::tie(MapSlot map, const Weighed& w) noexcept {
+  const MapSlot to = w.candidate.map;
+  std::uint32_t xi = 0;
+  std::array<std::uint32_t, 3> parents{};  // of what was the origin
+  for (std::size_t i = 0; i < parents.size(); ++i) {
+    const GraphLandmark& corner = graph_.landmark(w.candidate.triangle[i]);
+    parents[i] = corner.id;
+    xi = std::max(xi, corner.xi);
+  }
+  for (std::uint32_t slot = 0; slot < graph_.slots(); ++slot) {
+    if (graph_.is_used(slot) && graph_.landmark(slot).map == map) {
+      GraphLandmark& l = graph_.landmark(slot);
+      l.parents = l.xi == 0 ? parents : l.parents;
+      l.xi += xi + 1;
+    }
+  }
+  const MatchList twins = twins_of(map, w);
   MapEntry& from = maps_[map];
   MapEntry& into = maps_[to];
-  graph_.visit_poses([&](std::uint32_t, const GraphPose& pose) {
+  graph_.visit_poses([&](std::uint32_t place, const GraphPose& pose) {
     if (pose.map == map) {
+      graph_.pose(place).xi += xi + 1;
       look_around(to, w.candidate.pose_W * pose.T_W_B);
     }
   });
   graph_.merge(map, to, w.candidate.pose_W, twins.span());
-  into.landmarks += from.landmarks - static_cast<std::uint32_t>(twins.size());
-  into.confirmed += from.confirmed - std::min(from.confirmed, static_cast<std::uint32_t>(twins.size()));
+  into.landmarks = into.confirmed = 0;
+  for (std::uint32_t slot = 0; slot < graph_.slots(); ++slot) {
+    if (graph_.is_used(slot) && graph_.landmark(slot).map == to) {
+      ++into.landmarks;
+      into.confirmed += graph_.standing(slot).sightings >= 2 ? 1 : 0;
+    }
+  }
   into.scans += from.scans;
   into.W += from.W;
   if (from.last_scan >= into.last_scan) {

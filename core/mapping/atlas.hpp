@@ -127,6 +127,7 @@ class Atlas {
   void try_tie(MapSlot map, const Deadline& deadline) noexcept;
   [[nodiscard]] bool tie_by_scans(MapSlot map) noexcept;
   void confirm_tie(MapSlot map, const Weighed& weighed) noexcept;
+  [[nodiscard]] MatchList twins_of(MapSlot map, const Weighed& weighed) const noexcept;
   void tie(MapSlot map, const Weighed& weighed) noexcept;
   void probe_structure() noexcept;
   [[nodiscard]] Maps maps_view() const noexcept {
