@@ -146,13 +146,17 @@ Fix Atlas::process(std::span<const ScanLandmark> landmarks, const ScanView& view
   return fix;
 }
 
-void Atlas::search(const Deadline& deadline, Fix& fix) noexcept {
+MatchModel Atlas::scan_model() const noexcept {
   MatchModel model;
   model.sigma_m = rates_.sigma_m(scale_.start_sigma_m());
   model.detection = rates_.mean_detection();
-  model.density_per_m2 =
-      static_cast<double>(points_B_.size()) / std::max(1.0, std::numbers::pi * scan_.reach_m * scan_.reach_m);
-  find(points_B_.span(), kNoMap, model, deadline);
+  model.density_per_m2 = static_cast<double>(points_B_.size()) /
+                         std::max(1.0, std::numbers::pi * scan_.reach_m * scan_.reach_m);
+  return model;
+}
+
+void Atlas::search(const Deadline& deadline, Fix& fix) noexcept {
+  find(points_B_.span(), kNoMap, scan_model(), deadline);
   counters_.searches_cut += found_[0].end == SearchEnd::Deadline ? 1 : 0;
   fix.search_end = found_[0].end;
   weigh(scan_witnesses(), found_[0], weighed_);
@@ -994,8 +998,9 @@ void Atlas::probe_structure() noexcept {
     ScanView view;
     scan_.view = &view;
     scan_.reach_m = kProbeReach_m;
-    Fix ignored;
-    search(Deadline{}, ignored);
+    // By the fast search in any case: the paper's may take minutes for this.
+    fast_.search(points_B_.span(), graph_.index(), graph_.positions(), kNoMap, scan_model(), {}, found_[0]);
+    weigh(scan_witnesses(), found_[0], weighed_);
     const std::size_t best = best_in(weighed_.span(), home_);
     if (best != SIZE_MAX) {
       rates_.see_runner_up(runner_up_decades(weighed_.span(), best, config_.acceptance));

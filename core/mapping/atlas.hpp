@@ -100,6 +100,7 @@ class Atlas {
   };
 
   void take_landmarks(std::span<const ScanLandmark> landmarks) noexcept;
+  [[nodiscard]] MatchModel scan_model() const noexcept;
   void search(const Deadline& deadline, Fix& fix) noexcept;
   void find(std::span<const Point2> points, MapSlot except, const MatchModel& model,
             const Deadline& deadline) noexcept;
