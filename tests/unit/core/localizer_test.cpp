@@ -1,0 +1,127 @@
+// Scans against a map that was surveyed and never changes.
+#include "core/localizer.hpp"
+
+#include "tests/support/forest.hpp"
+#include "tests/support/in_arena.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+namespace slamsensor::core {
+namespace {
+
+using tests::Draw;
+using tests::Forest;
+
+Config localizer_config(SearchMethod search) {
+  Config c;
+  c.association.search = search;
+  c.association.order_share = 1.0;
+  c.capacities.map_landmarks = 500;
+  c.capacities.map_edges = 8'000;
+  c.capacities.path_poses = 4;
+  c.capacities.sightings = 100;
+  return c;
+}
+
+class LocalizerBySearch : public testing::TestWithParam<SearchMethod> {
+ protected:
+  Fix locate(const std::vector<Point2>& scan) { return localizer->locate(tests::as_landmarks(scan), {}, {}); }
+
+  tests::InArena<Localizer> localizer{localizer_config(GetParam())};
+};
+
+INSTANTIATE_TEST_SUITE_P(Searches, LocalizerBySearch,
+                         testing::Values(SearchMethod::Fast, SearchMethod::Paper), [](const auto& search) {
+                           return search.param == SearchMethod::Fast ? "Fast" : "Paper";
+                         });
+
+// A wrong pose marked valid is the worst thing: scans of another forest must not be believed.
+TEST_P(LocalizerBySearch, ForeignScansAreRefused) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Draw draw(1000 + seed);
+    const Forest here = tests::make_forest(180, draw);
+    const Forest elsewhere = tests::make_forest(180, draw);
+    ASSERT_TRUE(localizer->set_map(here.trees_W));
+    int accepted = 0;
+    for (int i = 0; i < 100; ++i) {
+      const Fix fix = locate(tests::scan_forest(elsewhere, tests::pose_in(elsewhere, draw), {}, draw));
+      accepted += fix.status == FixStatus::Fix ? 1 : 0;
+    }
+    EXPECT_EQ(accepted, 0) << "seed " << seed;
+  }
+}
+
+TEST_P(LocalizerBySearch, TrueScansAreAcceptedWithTheirPose) {
+  Draw draw(2000);
+  const Forest forest = tests::make_forest(180, draw);
+  ASSERT_TRUE(localizer->set_map(forest.trees_W));
+  int accepted = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Pose2 truth = tests::pose_in(forest, draw);
+    const Fix fix = locate(tests::scan_forest(forest, truth, {}, draw));
+    if (fix.status == FixStatus::Fix) {
+      ++accepted;
+      EXPECT_TRUE(tests::is_right(fix.pose_W, truth)) << "query " << i;
+    }
+  }
+  EXPECT_GE(accepted, 95);
+}
+
+TEST_P(LocalizerBySearch, TwoCopiesOfAPlaceAreAmbiguous) {
+  Draw draw(15);
+  Forest forest = tests::make_forest(30, draw);
+  const Forest one = forest;
+  for (const Point2& p : one.trees_W) {
+    forest.trees_W.push_back(p + Point2(200.0, 30.0));
+  }
+  ASSERT_TRUE(localizer->set_map(forest.trees_W));
+  const Fix fix = locate(tests::scan_forest(one, {0, 0, 0.4}, {}, draw));
+  EXPECT_EQ(fix.status, FixStatus::Ambiguous);
+  EXPECT_EQ(fix.reason, FixReason::Symmetric);
+}
+
+// A plantation looks the same one row on.
+TEST_P(LocalizerBySearch, RowsAreNeverAFix) {
+  Draw draw(16);
+  Forest plantation;
+  for (int x = 0; x < 9; ++x) {
+    for (int y = 0; y < 9; ++y) {
+      plantation.trees_W.push_back(Point2{4.0 * x + draw.normal(0.05), 3.0 * y + draw.normal(0.05)});
+    }
+  }
+  ASSERT_TRUE(localizer->set_map(plantation.trees_W));
+  for (int i = 0; i < 3; ++i) {
+    const Fix fix = locate(tests::scan_forest(plantation, {16.0 + i, 12.0, 0.2}, {}, draw));
+    EXPECT_NE(fix.status, FixStatus::Fix);
+  }
+}
+
+TEST_P(LocalizerBySearch, NoQueryChangesTheNext) {
+  Draw draw(17);
+  const Forest forest = tests::make_forest(180, draw);
+  ASSERT_TRUE(localizer->set_map(forest.trees_W));
+  const auto scan = tests::scan_forest(forest, {3, 4, 1}, {}, draw);
+  const Fix first = locate(scan);
+  for (int i = 0; i < 10; ++i) {
+    (void)locate(tests::scan_forest(forest, tests::pose_in(forest, draw), {}, draw));
+  }
+  const Fix again = locate(scan);
+  EXPECT_EQ(first.pose_W.x_m, again.pose_W.x_m);
+  EXPECT_EQ(first.expected_false_alarms, again.expected_false_alarms);
+  EXPECT_EQ(first.status, again.status);
+}
+
+TEST_P(LocalizerBySearch, AMapThatDoesNotFitOrIsNoneIsRefused) {
+  EXPECT_FALSE(localizer->set_map(std::vector<Point2>(501, Point2(1, 1))));
+  EXPECT_EQ(locate({{0, 0}, {5, 1}, {3, 7}}).landmarks_in_map, 0U);
+  EXPECT_FALSE(
+      localizer->set_map(std::vector<Point2>{{0, 0}, {1, std::numeric_limits<double>::quiet_NaN()}, {3, 3}}));
+  EXPECT_EQ(locate({{0, 0}, {5, 1}, {3, 7}}).landmarks_in_map, 0U);
+  EXPECT_EQ(locate({{0, 0}, {5, 1}, {3, 7}}).status, FixStatus::NoFix);
+}
+
+}  // namespace
+}  // namespace slamsensor::core
