@@ -75,6 +75,8 @@ constexpr Setting kSettings[] = {
      choice<kCore, kAssociation, &AssociationConfig::search>(kSearches)},
     {"association.index_neighbours", "", "Fast search: neighbours that a landmark forms triangles with; fewer take less memory.",
      integer<kCore, kAssociation, &AssociationConfig::index_neighbours>(3, 8)},
+    {"association.effort_max", "", "Fast search: about the nanoseconds of work after which it gives up, whatever the clock says.",
+     integer<kCore, kAssociation, &AssociationConfig::effort_max>(100'000, 1'000'000'000'000)},
     {"association.depth", "", "Edges join landmarks up to this many mesh steps apart.",
      integer<kCore, kAssociation, &AssociationConfig::depth>(1, 20)},
     {"association.order_share", "", "Share of the vertex order that is searched for triangles; 1 is exhaustive.",

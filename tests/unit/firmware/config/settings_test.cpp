@@ -192,7 +192,7 @@ TEST_P(PaperProfile, HasThePapersValuesAndBelievesNothingByChance) {
   EXPECT_EQ(config.association.depth, 2U);
   EXPECT_TRUE(config.association.exhaust_when_unsure);
   EXPECT_EQ(config.mapping.prune_share, 0.0);
-  EXPECT_EQ(config.acceptance.rule, core::AcceptanceRule::Computed);
+  EXPECT_EQ(config.acceptance.rule, core::AcceptanceRule::Evidence);
   EXPECT_EQ(config.mapping.hypotheses_max, 3U);
   EXPECT_EQ(config.mapping.update, core::LandmarkUpdate::Paper);
 }

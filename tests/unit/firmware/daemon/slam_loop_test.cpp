@@ -88,7 +88,7 @@ TEST_F(SlamLoopTest, SendsAFixForEachScan) {
   EXPECT_EQ(second->fix.time.end_utc, kNow + seconds(1000));
   EXPECT_EQ(second->scan_ended, kNow);
   EXPECT_GT(second->seen().size(), 8U);
-  EXPECT_EQ(loop.slam().hypotheses().revision(), revision());
+  EXPECT_EQ(loop.slam().revision(), revision());
 }
 
 TEST_F(SlamLoopTest, AStopEndsASearchAndItsScanHasNoResult) {

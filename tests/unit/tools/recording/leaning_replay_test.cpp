@@ -4,6 +4,7 @@
 #include "firmware/recording/config_toml.hpp"
 #include "tests/support/source_tree.hpp"
 #include "tests/unit/tools/input/temp_folder.hpp"
+#include "tests/unit/tools/recording/recording_bench.hpp"
 #include "tools/recording/head_playback.hpp"
 #include "tools/recording/record_drive.hpp"
 #include "tools/recording/recording_file.hpp"
@@ -50,8 +51,10 @@ class LeaningReplay : public testing::Test {
   }
 
   std::vector<core::Reading> played(const std::string& name) {
-    const auto chunks = open_tape(folder_.path() / name);
-    const auto playback = HeadPlayback::create(*chunks, settings(name));
+    const auto recording = first_recording(folder_.path() / name);
+    EXPECT_TRUE(recording) << recording.error().message;
+    const auto chunks = open_tape(*recording);
+    const auto playback = HeadPlayback::create(*chunks, settings_of(*recording));
     EXPECT_TRUE(playback) << playback.error().message;
     std::vector<core::Reading> readings;
     while (const auto event = (*playback)->next()) {
@@ -60,14 +63,6 @@ class LeaningReplay : public testing::Test {
       }
     }
     return readings;
-  }
-
-  firmware::Config settings(const std::string& name) {
-    firmware::LoadedConfig loaded;
-    const auto recording = open_recording(folder_.path() / name);
-    const auto errors = firmware::apply_config_toml(loaded, recording->config.value_or(""), "recording");
-    EXPECT_TRUE(errors.empty()) << firmware::error_lines(errors);
-    return loaded.config;
   }
 
   TempFolder folder_;
@@ -92,8 +87,8 @@ TEST_F(LeaningReplay, LevelsByWhatTheInclinometerTold) {
   }
   EXPECT_NE(by_told.front().tilt_rad, by_told[100].tilt_rad) << "level tilts differ along a line";
 
-  const auto recording = open_recording(folder_.path() / "told.lcm");
-  const auto replayed = replay_recording(*recording, settings("told.lcm"));
+  const auto recording = first_recording(folder_.path() / "told.lcm");
+  const auto replayed = replay_recording(*recording, settings_of(*recording));
   ASSERT_TRUE(replayed) << replayed.error().message;
   EXPECT_EQ(replayed->rows.size(), 2U);
   EXPECT_EQ(replayed->fixes_compared, 2U);
