@@ -33,6 +33,7 @@ enum class FixReason : std::uint8_t {
   Timing,           ///< a device's timing is in doubt: what was measured when is not known well enough
   Copy,             ///< a copy of this place that was never mapped would explain it about as well
   LocalMap,         ///< known in a local map whose place in the home map is not known yet
+  NoScan,           ///< no scan has been localised yet
 };
 
 /// How the search for the pose ended.
@@ -46,7 +47,7 @@ struct Fix {
   ScanTime time;
   std::uint32_t scan = 0;  ///< number of scans processed before this one
   FixStatus status = FixStatus::NoFix;
-  FixReason reason = FixReason::NoOverlap;
+  FixReason reason = FixReason::NoScan;
   SearchEnd search_end = SearchEnd::NotStarted;
   std::uint32_t map = 0;   ///< number of the map, from 1 on; 0 when there is no pose
   std::uint32_t home = 0;  ///< number of the home map; 0 while there is none
@@ -64,5 +65,10 @@ struct Fix {
   std::uint64_t weight_runner_up = 0;  ///< W of the second, 0 if there is none
   std::uint32_t jumps = 0;             ///< how often the best hypothesis has changed to another history
 };
+
+/// Whether `fix` has a pose: its own, the better of two, or one in a local map.
+[[nodiscard]] inline bool has_pose(const Fix& fix) noexcept {
+  return fix.status != FixStatus::NoFix || fix.reason == FixReason::LocalMap;
+}
 
 }  // namespace slamsensor::core

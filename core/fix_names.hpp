@@ -44,6 +44,8 @@ namespace slamsensor::core {
       return "moved";
     case FixReason::Timing:
       return "timing";
+    case FixReason::NoScan:
+      return "no_scan";
   }
   return "unknown";
 }

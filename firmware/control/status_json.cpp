@@ -15,28 +15,38 @@ void write_seconds(JsonWriter& json, std::string_view name, hal::Stamp time) {
   time == hal::kNever ? json.null() : json.value(hal::to_seconds(time));
 }
 
-void write_pose(JsonWriter& json, const core::Fix& fix) {
-  json.member("x_m", fix.pose_W.x_m).member("y_m", fix.pose_W.y_m);
-  json.member("heading_rad", fix.pose_W.heading_rad);
-  json.member("heading_deg", fix.pose_W.heading_rad / core::kDegree);
-  json.key("covariance").begin_array();
+void write_matrix(JsonWriter& json, std::string_view name, const Eigen::Matrix3d& matrix) {
+  json.key(name).begin_array();
   for (Eigen::Index row = 0; row < 3; ++row) {
     for (Eigen::Index column = 0; column < 3; ++column) {
-      json.value(fix.covariance(row, column));
+      json.value(matrix(row, column));
     }
   }
   json.end_array();
-  const auto sigma = pose_sigma(fix);
+}
+
+void write_pose(JsonWriter& json, const core::Fix& fix) {
+  json.member("map", fix.map).member("x_m", fix.pose_W.x_m).member("y_m", fix.pose_W.y_m);
+  json.member("heading_rad", fix.pose_W.heading_rad);
+  json.member("heading_deg", fix.pose_W.heading_rad / core::kDegree);
+  write_matrix(json, "covariance", fix.covariance);
+  const auto sigma = pose_sigma(fix.covariance);
   json.key("sigma_m");
   sigma ? json.value(sigma->position_m) : json.null();
   json.key("sigma_heading_rad");
   sigma ? json.value(sigma->heading_rad) : json.null();
+  json.member("protection_radius_m", fix.protection_radius_m);
+  write_matrix(json, "covariance_near", fix.covariance_near);
+  const auto near = pose_sigma(fix.covariance_near);
+  json.key("sigma_near_m");
+  near ? json.value(near->position_m) : json.null();
   json.member("error_xi", fix.error_xi);
 }
 
 void write_no_pose(JsonWriter& json) {
-  for (const char* name : {"x_m", "y_m", "heading_rad", "heading_deg", "covariance", "sigma_m",
-                           "sigma_heading_rad", "error_xi"}) {
+  for (const char* name :
+       {"map", "x_m", "y_m", "heading_rad", "heading_deg", "covariance", "sigma_m", "sigma_heading_rad",
+        "protection_radius_m", "covariance_near", "sigma_near_m", "error_xi"}) {
     json.key(name).null();
   }
 }
@@ -48,6 +58,7 @@ void write_fix(JsonWriter& json, const core::Fix& fix) {
   json.member("start_utc_ns", std::int64_t{fix.time.start_utc.count()});
   json.member("middle_utc_ns", std::int64_t{fix.time.middle_utc.count()});
   json.member("end_utc_ns", std::int64_t{fix.time.end_utc.count()});
+  json.member("home", fix.home);
   has_pose(fix) ? write_pose(json, fix) : write_no_pose(json);
   json.member("matches", fix.matches).member("landmarks_seen", fix.landmarks_seen);
   json.member("landmarks_in_map", fix.landmarks_in_map);
@@ -100,7 +111,8 @@ void write_head(JsonWriter& json, const HeadStatus& head) {
 void write_slam(JsonWriter& json, const SlamStatus& slam) {
   json.begin_object();
   json.member("scans", slam.scans).member("fixes", slam.fixes).member("landmarks", slam.landmarks);
-  json.member("hypotheses", slam.hypotheses);
+  json.member("hypotheses", slam.hypotheses).member("local_maps", slam.local_maps);
+  json.member("local_landmarks", slam.local_landmarks);
   write_seconds(json, "process_last_s", slam.process_last);
   write_seconds(json, "process_max_s", slam.process_max);
   json.end_object();

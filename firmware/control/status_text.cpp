@@ -43,6 +43,7 @@ std::string device_text(const DeviceStatus& device) {
 std::string map_text(const SensorStatus& status) {
   std::string text(status.map_name.view());
   text += ", " + std::to_string(status.slam.landmarks) + " landmarks";
+  text += local_maps_phrase(status.slam);
   text += status.slam.frozen ? ", frozen" : "";
   if (status.map_saved_ago == hal::kNever) {
     return text + (status.map_unsaved ? ", not saved yet" : ", nothing to save");
@@ -67,15 +68,25 @@ std::string slam_text(const SlamStatus& slam) {
          milliseconds(slam.process_last) + " (worst " + milliseconds(slam.process_max) + ')';
 }
 
+/// "1 sigma", in the frame of the map or relative to the landmarks about.
+void append_sigma(std::vector<std::string>& lines, std::string_view name, const Eigen::Matrix3d& covariance) {
+  if (const auto sigma = pose_sigma(covariance)) {
+    lines.push_back(field(name, decimal_text(sigma->position_m, 3) + " m, " +
+                                    decimal_text(sigma->heading_rad / core::kDegree, 2) + " deg"));
+  }
+}
+
 void append_pose(std::vector<std::string>& lines, const core::Fix& fix) {
+  lines.push_back(field("map", std::to_string(fix.map) +
+                                   (fix.map == fix.home ? ", home" : ", local: its place is not known yet")));
   lines.push_back(field("x", decimal_text(fix.pose_W.x_m, 3) + " m"));
   lines.push_back(field("y", decimal_text(fix.pose_W.y_m, 3) + " m"));
   lines.push_back(field("heading", decimal_text(fix.pose_W.heading_rad / core::kDegree, 2) +
                                        " deg, counter-clockwise from the map's x axis"));
-  if (const auto sigma = pose_sigma(fix)) {
-    lines.push_back(field("1 sigma", decimal_text(sigma->position_m, 3) + " m, " +
-                                         decimal_text(sigma->heading_rad / core::kDegree, 2) + " deg"));
-  }
+  append_sigma(lines, "1 sigma", fix.covariance);
+  append_sigma(lines, "1 sigma near", fix.covariance_near);
+  lines.push_back(field("protection", decimal_text(fix.protection_radius_m, 3) +
+                                          " m, exceeded with at most the configured risk"));
   lines.push_back(field("error xi", std::to_string(fix.error_xi)));
 }
 

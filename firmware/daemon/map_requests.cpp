@@ -50,6 +50,10 @@ ControlResult MapKeeper::info() {
     reply.lines.push_back("landmarks: " + std::to_string(is_there ? map.state().landmarks.size() : 0));
     reply.lines.push_back("poses: " + std::to_string(is_there ? map.state().path.size() : 0));
   });
+  const SlamStatus slam = threads_.publish().status().slam;
+  reply.lines.push_back("local maps: " + std::to_string(slam.local_maps) + ", " +
+                        std::to_string(slam.local_landmarks) +
+                        " landmarks; not saved before their place in the map is known");
   reply.lines.push_back(std::string("unsaved changes: ") + (is_unsaved() ? "yes" : "no"));
   if (about_.saves > 0) {
     reply.lines.push_back("saved: " + utc_text(about_.saved_utc_s) + ", " + std::to_string(about_.saves) +

@@ -9,6 +9,18 @@ constexpr bool is_code(std::int8_t code, auto last) noexcept {
   return code >= 0 && code <= static_cast<std::int8_t>(last);
 }
 
+void put_matrix(const Eigen::Matrix3d& from, std::array<double, 9>& into) noexcept {
+  for (std::size_t i = 0; i < into.size(); ++i) {
+    into[i] = from(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3));
+  }
+}
+
+void take_matrix(const std::array<double, 9>& from, Eigen::Matrix3d& into) noexcept {
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    into(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3)) = from[i];
+  }
+}
+
 void put_fix(const core::Fix& fix, PoseMessage& message) noexcept {
   message.scan_start_utc_ns = fix.time.start_utc.count();
   message.scan_middle_utc_ns = fix.time.middle_utc.count();
@@ -21,10 +33,7 @@ void put_fix(const core::Fix& fix, PoseMessage& message) noexcept {
   message.x_m = fix.pose_W.x_m;
   message.y_m = fix.pose_W.y_m;
   message.heading_rad = fix.pose_W.heading_rad;
-  for (std::size_t i = 0; i < message.covariance.size(); ++i) {
-    message.covariance[i] =
-        fix.covariance(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3));
-  }
+  put_matrix(fix.covariance, message.covariance);
   message.error_xi = fix.error_xi;
   message.matches = fix.matches;
   message.landmarks_seen = fix.landmarks_seen;
@@ -33,12 +42,16 @@ void put_fix(const core::Fix& fix, PoseMessage& message) noexcept {
   message.weight_best = static_cast<std::int64_t>(fix.weight_best);
   message.weight_runner_up = static_cast<std::int64_t>(fix.weight_runner_up);
   message.jumps = fix.jumps;
+  message.map = core::has_pose(fix) ? fix.map : 0;
+  message.home = fix.home;
+  message.protection_radius_m = fix.protection_radius_m;
+  put_matrix(fix.covariance_near, message.covariance_near);
 }
 
 }  // namespace
 
 bool is_sound(const PoseMessage& message) noexcept {
-  return is_code(message.status, core::FixStatus::Fix) && is_code(message.reason, core::FixReason::Timing) &&
+  return is_code(message.status, core::FixStatus::Fix) && is_code(message.reason, core::FixReason::NoScan) &&
          is_code(message.search_end, core::SearchEnd::Deadline) &&
          is_code(message.source, SourceMode::Emulated);
 }
@@ -79,10 +92,7 @@ core::Fix fix_of(const PoseMessage& message) noexcept {
   fix.reason = static_cast<core::FixReason>(message.reason);
   fix.search_end = static_cast<core::SearchEnd>(message.search_end);
   fix.pose_W = {message.x_m, message.y_m, message.heading_rad};
-  for (std::size_t i = 0; i < message.covariance.size(); ++i) {
-    fix.covariance(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3)) =
-        message.covariance[i];
-  }
+  take_matrix(message.covariance, fix.covariance);
   fix.error_xi = static_cast<std::uint32_t>(message.error_xi);
   fix.matches = static_cast<std::uint32_t>(message.matches);
   fix.landmarks_seen = static_cast<std::uint32_t>(message.landmarks_seen);
@@ -91,6 +101,10 @@ core::Fix fix_of(const PoseMessage& message) noexcept {
   fix.weight_best = static_cast<std::uint64_t>(message.weight_best);
   fix.weight_runner_up = static_cast<std::uint64_t>(message.weight_runner_up);
   fix.jumps = static_cast<std::uint32_t>(message.jumps);
+  fix.map = static_cast<std::uint32_t>(message.map);
+  fix.home = static_cast<std::uint32_t>(message.home);
+  fix.protection_radius_m = message.protection_radius_m;
+  take_matrix(message.covariance_near, fix.covariance_near);
   return fix;
 }
 

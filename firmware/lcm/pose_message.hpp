@@ -34,6 +34,10 @@ struct PoseMessage {
   std::int64_t weight_best = 0;
   std::int64_t weight_runner_up = 0;
   std::int64_t jumps = 0;
+  std::int64_t map = 0;
+  std::int64_t home = 0;
+  double protection_radius_m = 0.0;
+  std::array<double, 9> covariance_near{};
 
   static constexpr void members(auto& m, auto&& visit) {
     visit("utime", m.utime);
@@ -62,6 +66,10 @@ struct PoseMessage {
     visit("weight_best", m.weight_best);
     visit("weight_runner_up", m.weight_runner_up);
     visit("jumps", m.jumps);
+    visit("map", m.map);
+    visit("home", m.home);
+    visit("protection_radius_m", m.protection_radius_m);
+    visit("covariance_near", m.covariance_near);
   }
 };
 

@@ -37,6 +37,8 @@ void put_slam(const SlamStatus& slam, StatusMessage& message) noexcept {
   message.fixes = slam.fixes;
   message.landmarks = slam.landmarks;
   message.hypotheses = slam.hypotheses;
+  message.local_maps = slam.local_maps;
+  message.local_landmarks = slam.local_landmarks;
   message.map_revision = static_cast<std::int64_t>(slam.map_revision);
   message.process_last_ns = slam.process_last.count();
   message.process_max_ns = slam.process_max.count();

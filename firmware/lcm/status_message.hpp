@@ -45,6 +45,8 @@ struct StatusMessage {
   std::int64_t fixes = 0;
   std::int64_t landmarks = 0;
   std::int64_t hypotheses = 0;
+  std::int64_t local_maps = 0;
+  std::int64_t local_landmarks = 0;
   std::int64_t map_revision = 0;
   std::int64_t process_last_ns = 0;
   std::int64_t process_max_ns = 0;
@@ -85,6 +87,8 @@ struct StatusMessage {
     visit("fixes", m.fixes);
     visit("landmarks", m.landmarks);
     visit("hypotheses", m.hypotheses);
+    visit("local_maps", m.local_maps);
+    visit("local_landmarks", m.local_landmarks);
     visit("map_revision", m.map_revision);
     visit("process_last_ns", m.process_last_ns);
     visit("process_max_ns", m.process_max_ns);

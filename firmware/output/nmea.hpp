@@ -62,13 +62,13 @@ inline constexpr std::size_t kNmeaEpochBytesMax = 8 * kNmeaSentenceMax;
 /// Latitude and longitude have 7 decimals of a minute (0.2 mm), fewer when the line would exceed 82
 /// characters.
 ///
-/// $PSLMA,POSE,time,status,mode,reason,x,y,heading,sigma,sigma_heading,xi,matches,seen,age*hh
+/// $PSLMA,POSE,time,status,mode,reason,x,y,heading,sigma,sigma_heading,xi,matches,seen,age,map,protection*hh
 ///    1  POSE           kind of sentence
 ///    2  time           hhmmss.ss UTC, that of the other sentences
 ///    3  status         A fix, U ambiguous (the pose is the better of two), V no fix
 ///    4  mode           A live, S replayed or emulated
 ///    5  reason         0 none, 1 too few landmarks, 2 no overlap, 3 symmetric, 4 deadline, 5 stale, 6
-///                      device, 7 moved, 8 timing
+///                      device, 7 moved, 8 timing, 9 copy, 10 local map, 11 no scan
 ///    6  x              m in the map frame, within 1000 km of its origin
 ///    7  y              m
 ///    8  heading        deg, counter-clockwise from the map's x axis, [0, 360)
@@ -78,9 +78,14 @@ inline constexpr std::size_t kNmeaEpochBytesMax = 8 * kNmeaSentenceMax;
 ///   12  matches        landmarks matched in the last scan, at most 999
 ///   13  seen           landmarks of the last scan, at most 999
 ///   14  age            s from the middle of the last scan to the time of the sentence, at most 99999
-/// Fields 6 to 11 are empty without a fix; 9 and 10 when the covariance is not usable; 14 before the first
-/// scan. Fields 6 to 9 have 3 decimals, 10 and 14 have 2; fewer when the line would exceed 82 characters, the
-/// age's first.
+///   15  map            number of the map that the pose lies in: it grows when another map becomes the home
+///   map 16  protection     m, the position's error exceeds it with at most the configured risk; rounded up,
+///   at most
+///                      9999
+/// Fields 6 to 11, 15 and 16 are empty without a fix; 9 and 10 when the covariance is not usable; 14 before
+/// the first scan; 16 when it is not known. A pose in a local map (reason 10) is no fix: LCM alone carries
+/// it. Fields 6 to 9 have 3 decimals, 10, 14 and 16 have 2; fewer when the line would exceed 82 characters,
+/// the age's first, those of x and y last; when not even that is enough 9, 10, 14 and 16 are empty.
 [[nodiscard]] std::size_t format_nmea(const core::Fix& fix, const NmeaContext& context,
                                       std::span<char> out) noexcept;
 

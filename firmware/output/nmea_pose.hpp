@@ -6,7 +6,7 @@
 namespace slamsensor::firmware {
 
 /// The detail at which the pose sentence has all of its decimals; at 0 it fits whatever it says.
-inline constexpr int kNmeaPoseDetailMax = 4;
+inline constexpr int kNmeaPoseDetailMax = 10;
 
 /// The proprietary sentence of the pose in the map frame, as format_nmea describes it, with `detail` (0 to
 /// kNmeaPoseDetailMax).

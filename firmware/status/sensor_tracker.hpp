@@ -18,7 +18,7 @@ namespace slamsensor::firmware {
 ///              head, and the inclinometer when one is configured)
 ///   Held       scanning is not allowed: no fix, reason device
 ///              After both the last fix stays void (Lost, reason device) until a scan has been made.
-///   Scanning   no scan has been localised yet
+///   Scanning   no scan has been localised yet, or none in this map: no fix, reason no_scan
 ///   Fixed, Ambiguous, Lost   as the last scan ended; Lost with the reason stale when no scan has come for
 ///              FixConfig::stale_s, with the reason moved when the carrier moved while it was scanned,
 ///              with the reason timing while or since that of a device is in doubt

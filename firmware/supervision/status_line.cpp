@@ -32,6 +32,8 @@ std::string_view meaning(core::FixReason reason) {
       return "a copy of this place that is not in the map would look the same";
     case core::FixReason::LocalMap:
       return "known in a local map, whose place in the home map is not known yet";
+    case core::FixReason::NoScan:
+      return "no scan yet";
     case core::FixReason::None:
       break;
   }
@@ -39,6 +41,9 @@ std::string_view meaning(core::FixReason reason) {
 }
 
 std::string why_none(const core::Fix& fix) {
+  if (fix.reason == core::FixReason::NoScan) {
+    return std::string(meaning(fix.reason));
+  }
   return std::string(meaning(fix.reason)) + ", " + std::to_string(fix.landmarks_seen) + " landmarks seen";
 }
 

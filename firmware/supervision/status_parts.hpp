@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -69,24 +70,28 @@ struct NamedCounters {
   return tables;
 }
 
-/// Whether `fix` has a pose, if only the better one of two.
-[[nodiscard]] inline bool has_pose(const core::Fix& fix) noexcept {
-  return fix.status != core::FixStatus::NoFix;
-}
-
 /// 1 sigma along the longest axis of the position's ellipse, m, and of the heading, rad.
 struct PoseSigma {
   double position_m = 0.0;
   double heading_rad = 0.0;
 };
 
-/// None when the covariance is not usable.
-[[nodiscard]] inline std::optional<PoseSigma> pose_sigma(const core::Fix& fix) noexcept {
-  if (!usable_covariance(fix.covariance)) {
+/// None when `covariance`, one of a fix, is not usable.
+[[nodiscard]] inline std::optional<PoseSigma> pose_sigma(const Eigen::Matrix3d& covariance) noexcept {
+  if (!usable_covariance(covariance)) {
     return std::nullopt;
   }
-  return PoseSigma{position_error(fix.covariance.topLeftCorner<2, 2>()).major_m,
-                   std::sqrt(fix.covariance(2, 2))};
+  return PoseSigma{position_error(covariance.topLeftCorner<2, 2>()).major_m, std::sqrt(covariance(2, 2))};
+}
+
+/// ", 2 local maps with 31 landmarks"; empty when there is none.
+[[nodiscard]] inline std::string local_maps_phrase(const SlamStatus& slam) {
+  if (slam.local_maps == 0) {
+    return {};
+  }
+  return ", " + std::to_string(slam.local_maps) +
+         (slam.local_maps == 1 ? " local map with " : " local maps with ") +
+         std::to_string(slam.local_landmarks) + " landmarks";
 }
 
 }  // namespace slamsensor::firmware

@@ -140,7 +140,7 @@ class Cli(unittest.TestCase):
             code, output, errors = run("replay", "--no-times", "--config", CONFIG / "experiment-3.toml", "--truth",
                                        scans / "truth.tum", "--out", self.folder / out, scans)
             self.assertEqual(code, OK, errors)
-        names = ["trajectory.tum", "fixes.csv", "map.csv", "track.nmea", "plot.svg"]
+        names = ["trajectory.tum", "hindsight.tum", "fixes.csv", "map.csv", "track.nmea", "plot.svg"]
         self.assertEqual(filecmp.cmpfiles(self.folder / "a", self.folder / "b", names, shallow=False), (names, [], []))
         code, output, _ = run("eval", "--json", "--truth", scans / "truth.tum", self.folder / "a/trajectory.tum")
         self.assertEqual(code, OK)

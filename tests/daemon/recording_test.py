@@ -15,10 +15,11 @@ from sensor import HERE, STOP_MAX_S, Refused, Sensor
 PROGRAMS = sys.argv[1:3]
 EVENT = struct.Struct(">IqqII")
 SYNC = 0xEDA1DA01
-POSE = struct.Struct(">Q 10q 4b 3d 9d 4q d 3q")  # slamsensor.pose_t behind its fingerprint
+POSE = struct.Struct(">Q 10q 4b 3d 9d 4q d 3q 2q d 9d")  # slamsensor.pose_t behind its fingerprint
 STATUS = ("no_fix", "ambiguous", "fix")
 FIX = 2
-WITHDRAWN = (5, 6, 7, 8)  # reasons: stale, device, moved, timing
+WITHDRAWN = (5, 6, 7, 8, 11)  # reasons: stale, device, moved, timing, no scan
+LOCAL_MAP = 10
 SKIPPED, OWN_NETWORK = 77, ("unshare", "-n")
 UNPLUG_AT_S, OUT_S = 14.0, 0.7
 
@@ -51,10 +52,11 @@ def row_of(fields):
     """What fixes.csv says of a message, as far as both say it."""
     status = STATUS[fields[11]]
     row = {"status": status, "matches": str(fields[28]), "landmarks_seen": str(fields[29]),
-           "landmarks_in_map": str(fields[30]), "jumps": str(fields[34]), "weight_best": str(fields[32])}
-    if status != "no_fix":
+           "landmarks_in_map": str(fields[30]), "jumps": str(fields[34]), "weight_best": str(fields[32]),
+           "map": str(fields[35]), "home": str(fields[36])}
+    if status != "no_fix" or fields[12] == LOCAL_MAP:
         row |= {"x_m": f"{fields[15]:.6f}", "y_m": f"{fields[16]:.6f}", "heading_rad": f"{fields[17]:.9f}",
-                "error_xi": str(fields[27])}
+                "error_xi": str(fields[27]), "protection_radius_m": f"{fields[37]:.6f}"}
     return row
 
 

@@ -31,6 +31,8 @@ FixReport report_of(int i) {
   fix.time.middle_utc = std::chrono::seconds(1'752'488'130) + std::chrono::milliseconds(250 * i);
   fix.pose_W = {0.123 * i - 20.0, 7.5 - 0.077 * i, (-179.0 + 1.37 * i) * M_PI / 180.0};
   fix.pose_W.heading_rad = core::wrap_angle(fix.pose_W.heading_rad);
+  fix.map = static_cast<std::uint32_t>(1 + i / 100);
+  fix.protection_radius_m = 0.1 * (5 + i % 20);
   fix.status = i % 7 == 3 ? core::FixStatus::Ambiguous : core::FixStatus::Fix;
   if (i % 5 == 4) {
     fix.status = core::FixStatus::NoFix;
@@ -47,6 +49,7 @@ void say_expected(const core::Fix& fix) {
     const double heading_deg = fix.pose_W.heading_rad * 180.0 / M_PI;
     std::printf(" %.3f %.3f %.2f", fix.pose_W.x_m, fix.pose_W.y_m,
                 heading_deg < 0.0 ? heading_deg + 360.0 : heading_deg);
+    std::printf(" %u %.2f", fix.map, fix.protection_radius_m);
   }
   std::printf("\n");
 }

@@ -111,10 +111,10 @@ tl::expected<Replay, CommandError> make_replay(const Options& options,
                                                const firmware::Config& config) {
   ProgressBar bar("replay");
   const auto progress = [&](std::size_t done, std::size_t total, const FixRow&) { bar.update(done, total); };
-  return recordings.empty() ? replay(options.inputs, config, progress,
-                                    options.no_times ? ReplayClock::Off : ReplayClock::On)
-                                 .map_error(bad_input)
-                            : replay_all(recordings, options, progress);
+  return recordings.empty()
+             ? replay(options.inputs, config, progress, options.no_times ? ReplayClock::Off : ReplayClock::On)
+                   .map_error(bad_input)
+             : replay_all(recordings, options, progress);
 }
 
 tl::expected<std::optional<Evaluation>, CommandError> compare(const std::vector<TimedPose>& truth,
@@ -142,7 +142,8 @@ void print(const Replay& result, const std::optional<Evaluation>& evaluation, co
   if (evaluation) {
     std::fputs(evaluation_text(*evaluation).c_str(), stdout);
   }
-  std::printf("written to %s: trajectory.tum fixes.csv map.csv track.nmea plot.svg\n", out.c_str());
+  std::printf("written to %s: trajectory.tum hindsight.tum fixes.csv map.csv track.nmea plot.svg\n",
+              out.c_str());
 }
 
 /// Exit status EX_DATAERR when the replay is incomplete or the truth has none of its times, after everything
@@ -194,7 +195,10 @@ void add_replay(CLI::App& app, CommandResult& result) {
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   verb->add_option("--out", options->out, "folder for the results")->required()->type_name("DIR");
-  verb->add_flag("--no-times", options->no_times, "leave the measured milliseconds out of fixes.csv");
+  verb->add_flag("--no-times", options->no_times,
+                 "cut no search by the deadline and leave the measured milliseconds out of fixes.csv: the "
+                 "same input gives "
+                 "the same bytes");
   verb->add_option("INPUT", options->inputs,
                    "folders or files: .pcd clouds, readings .csv, landmarks .csv; or one recording or log of "
                    "lcm-logger")

@@ -4,7 +4,7 @@
  *   gcc -I. read_pose.c slamsensor_pose_t.c -o read_pose $(pkg-config --cflags --libs lcm) -lm
  *
  * A line per pose: seconds since 1970, status, x (m), y (m), heading (degrees, counter-clockwise from the map's x
- * axis); x, y and heading only where there is a fix, or the better of two places. */
+ * axis), number of the map, protection radius (m); those only where there is a fix, or the better of two places. */
 #include <lcm/lcm.h>
 #include <math.h>
 #include <stdio.h>
@@ -23,6 +23,7 @@ static void on_pose(const lcm_recv_buf_t* buffer, const char* channel, const sla
   if (pose->status != SLAMSENSOR_POSE_T_STATUS_NO_FIX) {
     double heading_deg = pose->heading_rad * 180.0 / M_PI;
     printf(" %.3f %.3f %.2f", pose->x_m, pose->y_m, heading_deg < 0.0 ? heading_deg + 360.0 : heading_deg);
+    printf(" %lld %.2f", (long long)pose->map, pose->protection_radius_m);
   }
   printf("\n");
   fflush(stdout);

@@ -4,7 +4,8 @@
 //   g++ -I. read_pose.cpp -o read_pose $(pkg-config --cflags --libs lcm)
 //
 // A line per pose: seconds since 1970, status, x (m), y (m), heading (degrees, counter-clockwise from the
-// map's x axis); x, y and heading only where there is a fix, or the better of two places.
+// map's x axis), number of the map, protection radius (m); those only where there is a fix, or the better of
+// two places.
 #include <cmath>
 #include <cstdio>
 #include <lcm/lcm-cpp.hpp>
@@ -24,6 +25,7 @@ class Reader {
       double heading_deg = pose->heading_rad * 180.0 / M_PI;
       heading_deg += heading_deg < 0.0 ? 360.0 : 0.0;
       std::printf(" %.3f %.3f %.2f", pose->x_m, pose->y_m, heading_deg);
+      std::printf(" %lld %.2f", static_cast<long long>(pose->map), pose->protection_radius_m);
     }
     std::printf("\n");
     std::fflush(stdout);

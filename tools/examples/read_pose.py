@@ -5,8 +5,8 @@
   read_pose.py udpm://239.255.76.67:7667    from LCM
   read_pose.py tcp://sensor.local:10110     from NMEA over TCP
 
-A line per pose: seconds since 1970, status, x (m), y (m), heading (degrees, counter-clockwise from the map's x axis);
-x, y and heading only where there is a fix, or the better of two places."""
+A line per pose: seconds since 1970, status, x (m), y (m), heading (degrees, counter-clockwise from the map's x axis),
+number of the map, protection radius (m); those only where there is a fix, or the better of two places."""
 import calendar
 import math
 import socket
@@ -19,12 +19,12 @@ STATUS = ("no_fix", "ambiguous", "fix")
 
 # slamsensor.pose_t as slamsensor_pose_t.lcm has it, behind the fingerprint that tells the type. lcm-gen writes a class
 # for it too: lcm-gen --python slamsensor_pose_t.lcm.
-POSE = struct.Struct(">Q 10q 4b 3d 9d 4q d 3q")
-FINGERPRINT = 0x466A30C62957A78E
+POSE = struct.Struct(">Q 10q 4b 3d 9d 4q d 3q 2q d 9d")
+FINGERPRINT = 0xDF2A5E439E4A5851
 
 
 def show(seconds, status, pose=None):
-    place = " {:.3f} {:.3f} {:.2f}".format(*pose) if pose else ""
+    place = " {:.3f} {:.3f} {:.2f} {:.0f} {:.2f}".format(*pose) if pose else ""
     print(f"{seconds:.2f} {status}{place}", flush=True)
 
 
@@ -44,7 +44,7 @@ def read_lcm(group, port):
         if fields[0] != FINGERPRINT:
             continue
         status, x, y, heading = fields[11], *fields[15:18]
-        pose = (x, y, math.degrees(heading) % 360) if status > 0 else None
+        pose = (x, y, math.degrees(heading) % 360, fields[35], fields[37]) if status > 0 else None
         show(fields[1] / 1e6, STATUS[status], pose)
 
 
@@ -69,7 +69,7 @@ def read_nmea(host, port):
         whole, _, fraction = fields[2].partition(".")
         moment = time.strptime(date + whole, "%d%m%y%H%M%S")
         status = {"V": "no_fix", "U": "ambiguous", "A": "fix"}[fields[3]]
-        pose = [float(field) for field in fields[6:9]] if status != "no_fix" else None
+        pose = [float(field or "nan") for field in fields[6:9] + fields[15:17]] if status != "no_fix" else None
         show(calendar.timegm(moment) + float("0." + fraction), status, pose)
 
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Prints every pose of a SLAM sensor, from NMEA over TCP, with nothing but bash:
 #   read_pose.sh [HOST [PORT]]
-# A line per pose: time of day (UTC), status, x (m), y (m), heading (degrees, counter-clockwise from the map's x axis);
-# x, y and heading only where there is a fix, or the better of two places. gpsd users: gpspipe -w gives the same sensor
-# as TPV and ATT.
+# A line per pose: time of day (UTC), status, x (m), y (m), heading (degrees, counter-clockwise from the map's x axis),
+# number of the map, protection radius (m); those only where there is a fix, or the better of two places. gpsd users:
+# gpspipe -w gives the same sensor as TPV and ATT.
 set -uo pipefail
 host=${1:-localhost}
 port=${2:-10110}
@@ -24,10 +24,10 @@ exec 3<>"/dev/tcp/$host/$port" || exit
 while IFS= read -r line <&3; do
   line=${line%$'\r'}
   [[ $line == '$PSLMA,POSE,'* ]] && is_whole "$line" || continue
-  IFS=, read -r _ _ time status _ _ x y heading _ <<<"$line"
+  IFS=, read -r _ _ time status _ _ x y heading _ _ _ _ _ _ map radius <<<"${line%\**}"
   case $status in
-    A) echo "$time fix $x $y $heading" ;;
-    U) echo "$time ambiguous $x $y $heading" ;;
+    A) echo "$time fix $x $y $heading $map $radius" ;;
+    U) echo "$time ambiguous $x $y $heading $map $radius" ;;
     *) echo "$time no_fix" ;;
   esac
 done

@@ -73,14 +73,14 @@ void append_counts(std::string& out, const core::Fix& fix) {
 /// The map that the pose lies in, the home map, and how far off the pose may be.
 void append_frame(std::string& out, const core::Fix& fix) {
   out += ',';
-  append_integer(out, fix.map);
+  append_integer(out, core::has_pose(fix) ? fix.map : 0);
   out += ',';
   append_integer(out, fix.home);
   out += ',';
-  if (fix.status != core::FixStatus::NoFix) append_fixed(out, fix.protection_radius_m, kMetreDecimals);
-  append_sigma(out, fix.status != core::FixStatus::NoFix
-                        ? std::max(fix.covariance_near(0, 0), fix.covariance_near(1, 1))
-                        : std::numeric_limits<double>::quiet_NaN(),
+  if (core::has_pose(fix)) append_fixed(out, fix.protection_radius_m, kMetreDecimals);
+  append_sigma(out,
+               core::has_pose(fix) ? std::max(fix.covariance_near(0, 0), fix.covariance_near(1, 1))
+                                   : std::numeric_limits<double>::quiet_NaN(),
                kMetreDecimals);
 }
 
@@ -91,11 +91,11 @@ void append_row(std::string& out, const FixRow& row, MeasuredTimes times) {
     out += ',';
     out += name;
   }
-  if (row.fix.status == core::FixStatus::NoFix) {
-    out += kNoPose;
-  } else {
+  if (core::has_pose(row.fix)) {
     append_pose(out, row.fix.pose_W);
     append_uncertainty(out, row.fix);
+  } else {
+    out += kNoPose;
   }
   append_counts(out, row.fix);
   append_frame(out, row.fix);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include "core/mapping/map_state.hpp"
+#include "core/slam.hpp"
 #include "firmware/config/config.hpp"
+#include "tools/eval/timed_pose.hpp"
 #include "tools/input/input_error.hpp"
 #include "tools/input/scan_files.hpp"
 #include "tools/output/fixes_csv.hpp"
@@ -21,10 +23,11 @@ namespace slamsensor::tools {
 
 /// What a run over recorded scans gave.
 struct Replay {
-  std::vector<FixRow> rows;          ///< one per scan that could be read, in order
-  std::vector<MapRow> map;           ///< the home map at the end
-  std::vector<bool> matched;         ///< per landmark of `map`: by the last scan that has a fix
-  std::vector<std::pair<std::int64_t, core::Pose2>> path;  ///< scans in the home map at the end, as it then stands
+  std::vector<FixRow> rows;     ///< one per scan that could be read, in order
+  std::vector<MapRow> map;      ///< the home map at the end
+  std::vector<bool> matched;    ///< per landmark of `map`: by the last scan that has a fix
+  std::vector<TimedPose> path;  ///< scans of the run that are in the home map at the end, as it then stands
+  core::MapsSummary maps;       ///< at the end
   std::vector<std::string> refused;  ///< messages of the scans that could not be read
   std::vector<NotRead> not_read;     ///< entries of the input folders
   std::string order;                 ///< how the files' names gave the order of the scans; may be empty

@@ -106,10 +106,9 @@ class TapeReplay {
     utc_ahead_ = is_known ? sent->second.time.end_utc - scan.end : utc_ahead_;
     const core::ScanTime time{scan.begin + utc_ahead_, scan.middle + utc_ahead_, scan.end + utc_ahead_,
                               scan.end};
-    const FixRow& row =
-        run_.add(scan.scan, middle_of(time), [&](const core::Deadline& deadline) {
-          return slam().finish_scan(time, deadline);
-        });
+    const FixRow& row = run_.add(scan.scan, middle_of(time), [&](const core::Deadline& deadline) {
+      return slam().finish_scan(time, deadline);
+    });
     if (is_known) {
       ++run_.result().fixes_compared;
       run_.result().fixes_alike += are_alike(row.fix, sent->second) ? 1 : 0;

@@ -79,8 +79,9 @@ std::string times_text(const Replay& replay) {
 
 std::string reasons_text(const Replay& replay) {
   std::string lines;
-  for (const core::FixReason reason : {core::FixReason::TooFewLandmarks, core::FixReason::NoOverlap,
-                                       core::FixReason::Symmetric, core::FixReason::Deadline}) {
+  for (const core::FixReason reason :
+       {core::FixReason::TooFewLandmarks, core::FixReason::NoOverlap, core::FixReason::Symmetric,
+        core::FixReason::Copy, core::FixReason::LocalMap, core::FixReason::Deadline}) {
     const auto count = std::count_if(replay.rows.begin(), replay.rows.end(),
                                      [&](const FixRow& row) { return row.fix.reason == reason; });
     if (count > 0) {
@@ -89,6 +90,14 @@ std::string reasons_text(const Replay& replay) {
     }
   }
   return lines;
+}
+
+std::string local_maps_text(const Replay& replay) {
+  if (replay.maps.local_maps == 0) {
+    return {};
+  }
+  return text("local maps       %u, whose place in the home map is not known: %u landmarks\n",
+              replay.maps.local_maps, replay.maps.local_landmarks);
 }
 
 std::string recording_text(const Replay& replay) {
@@ -137,6 +146,7 @@ tl::expected<void, OutputError> write_replay(const Replay& replay, const firmwar
     return tl::unexpected(OutputError{folder.string() + ": " + error.message() + "; choose another --out"});
   }
   return write_trajectory(folder / "trajectory.tum", trajectory_of(replay.rows))
+      .and_then([&] { return write_trajectory(folder / "hindsight.tum", replay.path); })
       .and_then([&] { return write_fixes(folder / "fixes.csv", replay.rows, times); })
       .and_then([&] { return write_map(folder / "map.csv", replay.map); })
       .and_then([&] { return write_file(folder / "track.nmea", track_nmea(replay, config)); })
@@ -162,8 +172,9 @@ std::string replay_summary(const Replay& replay) {
          text("fixes            %zu (%.1f %%)\n", fixes, share) +
          text("ambiguous        %zu\n", count_of(replay, core::FixStatus::Ambiguous)) +
          text("no fix           %zu\n", count_of(replay, core::FixStatus::NoFix)) + reasons_text(replay) +
-         text("map              %zu landmarks\n", replay.map.size()) + times_text(replay) +
-         counters_text(replay) + recording_text(replay);
+         text("in hindsight     %zu scans known in the home map\n", replay.path.size()) +
+         text("map              %zu landmarks\n", replay.map.size()) + local_maps_text(replay) +
+         times_text(replay) + counters_text(replay) + recording_text(replay);
 }
 
 }  // namespace slamsensor::tools

@@ -15,9 +15,10 @@
 
 namespace slamsensor::tools {
 
-/// Writes trajectory.tum, fixes.csv, map.csv, track.nmea and plot.svg (DESIGN 6) into `folder`, which is made
-/// if need be. The same replay gives the same bytes; the measured times in fixes.csv are the one exception,
-/// and `times` leaves them out. `evaluation` brings the truth into the map frame for the picture.
+/// Writes trajectory.tum, hindsight.tum, fixes.csv, map.csv, track.nmea and plot.svg (DESIGN 6) into
+/// `folder`, which is made if need be. The same replay gives the same bytes; the measured times in fixes.csv
+/// are the one exception, and `times` leaves them out. `evaluation` brings the truth into the map frame for
+/// the picture.
 [[nodiscard]] tl::expected<void, OutputError> write_replay(
     const Replay& replay, const firmware::Config& config, std::span<const TimedPose> truth,
     const std::optional<Evaluation>& evaluation, MeasuredTimes times, const std::filesystem::path& folder);

@@ -14,11 +14,13 @@ std::chrono::nanoseconds steady_now(void*) noexcept {
 }  // namespace
 
 core::Deadline ReplayRun::deadline_from(std::chrono::steady_clock::time_point begin) const {
-  return clock_ == ReplayClock::Off ? core::Deadline{}
-                                    : core::Deadline{steady_now, nullptr, begin.time_since_epoch() + deadline_};
+  return clock_ == ReplayClock::Off
+             ? core::Deadline{}
+             : core::Deadline{steady_now, nullptr, begin.time_since_epoch() + deadline_};
 }
 
-const FixRow& ReplayRun::add(std::int64_t number, double t_s, const std::function<core::Fix(const core::Deadline&)>& localise) {
+const FixRow& ReplayRun::add(std::int64_t number, double t_s,
+                             const std::function<core::Fix(const core::Deadline&)>& localise) {
   const auto begin = std::chrono::steady_clock::now();
   FixRow row;
   row.scan = number;
@@ -26,13 +28,13 @@ const FixRow& ReplayRun::add(std::int64_t number, double t_s, const std::functio
   row.fix = localise(deadline_from(begin));
   row.milliseconds =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-  numbers_[row.fix.scan] = number;  // after a reset the scans are counted anew
+  scans_[row.fix.scan] = {number, t_s};  // after a reset the scans are counted anew
   return result_.rows.emplace_back(row);
 }
 
 std::int64_t ReplayRun::number_of(std::uint32_t scan) const {
-  const auto found = numbers_.find(scan);
-  return found != numbers_.end() ? found->second : -1;
+  const auto found = scans_.find(scan);
+  return found != scans_.end() ? found->second.number : -1;
 }
 
 void ReplayRun::take_map(const core::Slam& slam) {
@@ -48,7 +50,9 @@ void ReplayRun::take_map(const core::Slam& slam) {
     result_.matched.push_back(l.last_scan == last_in_map && l.first_scan != last_in_map);
   }
   for (const core::PathPose& pose : map.path) {
-    result_.path.push_back({number_of(pose.scan), pose.pose_W});
+    if (const auto found = scans_.find(pose.scan); found != scans_.end()) {
+      result_.path.push_back({found->second.t_s, pose.pose_W});
+    }
   }
   result_.landmarks_evicted = map.landmarks_evicted;
   result_.path_thinnings = map.path_thinnings;
@@ -57,6 +61,7 @@ void ReplayRun::take_map(const core::Slam& slam) {
 Replay ReplayRun::finish() {
   const core::Slam& slam = pipeline_.slam();
   result_.counters = slam.counters();
+  result_.maps = slam.maps();
   take_map(slam);
   result_.cells_dropped = slam.detector().cells_dropped();
   result_.readings_refused = slam.detector().readings_refused();

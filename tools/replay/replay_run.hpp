@@ -25,13 +25,20 @@ class ReplayRun {
   /// What was gathered so far.
   [[nodiscard]] Replay& result() { return result_; }
 
-  /// Takes the fix that `localise` makes of scan `number` within the deadline that it is given, and its time; `t_s` goes to the trajectory.
-  const FixRow& add(std::int64_t number, double t_s, const std::function<core::Fix(const core::Deadline&)>& localise);
+  /// Takes the fix that `localise` makes of scan `number` within the deadline that it is given, and its
+  /// time; `t_s` goes to the trajectory.
+  const FixRow& add(std::int64_t number, double t_s,
+                    const std::function<core::Fix(const core::Deadline&)>& localise);
 
   /// The run with its map, whose scans are named as the rows are; a scan of before the run is -1.
   [[nodiscard]] Replay finish();
 
  private:
+  struct Named {
+    std::int64_t number = 0;
+    double t_s = 0.0;
+  };
+
   [[nodiscard]] core::Deadline deadline_from(std::chrono::steady_clock::time_point begin) const;
   [[nodiscard]] std::int64_t number_of(std::uint32_t scan) const;
   void take_map(const core::Slam& slam);
@@ -41,7 +48,7 @@ class ReplayRun {
   ReplayClock clock_;
   firmware::Pipeline pipeline_;
   Replay result_;
-  std::map<std::uint32_t, std::int64_t> numbers_;  // of scans, by core::Fix::scan
+  std::map<std::uint32_t, Named> scans_;  // by core::Fix::scan
 };
 
 }  // namespace slamsensor::tools

@@ -46,10 +46,23 @@ void add_state(const StatusMessage& status, TextLines& lines) {
        (fixed_once ? ", first fix after " + duration(status.time_to_first_fix_ns) : ", no fix yet")});
 }
 
-std::string sigma_text(const PoseMessage& pose) {
-  const double position_m = std::sqrt(pose.covariance[0] + pose.covariance[4]);
-  const double heading_deg = std::sqrt(pose.covariance[8]) / kDegree;
+std::string sigma_text(const std::array<double, 9>& covariance) {
+  const double position_m = std::sqrt(covariance[0] + covariance[4]);
+  const double heading_deg = std::sqrt(covariance[8]) / kDegree;
   return fixed_text(position_m, 3) + " m, " + fixed_text(heading_deg, 3) + " deg";
+}
+
+void add_place(const PoseMessage& pose, TextLines& lines) {
+  const double turned_deg = core::wrap_angle(pose.heading_rad) / kDegree;
+  const double heading_deg = turned_deg < 0.0 ? turned_deg + 360.0 : turned_deg;
+  lines.push_back(
+      {"  in map     " + std::to_string(pose.map) + (pose.map == pose.home ? ", home" : ", local")});
+  lines.push_back(
+      {"  x y        " + fixed_text(pose.x_m, 3) + " m, " + fixed_text(pose.y_m, 3) + " m", CellStyle::Bold});
+  lines.push_back({"  heading    " + fixed_text(heading_deg, 2) + " deg", CellStyle::Bold});
+  lines.push_back(
+      {"  1 sigma    " + sigma_text(pose.covariance) + "; near " + sigma_text(pose.covariance_near)});
+  lines.push_back({"  protection " + fixed_text(pose.protection_radius_m, 3) + " m"});
 }
 
 void add_pose(const SensorView& view, hal::Stamp now, TextLines& lines) {
@@ -62,13 +75,8 @@ void add_pose(const SensorView& view, hal::Stamp now, TextLines& lines) {
   }
   text += ", scan " + std::to_string(pose.scan) + ", " + duration_text(now - view.pose_time()) + " ago";
   lines.push_back({text, status == core::FixStatus::Fix ? CellStyle::Good : CellStyle::Warning});
-  if (status != core::FixStatus::NoFix) {
-    const double turned_deg = core::wrap_angle(pose.heading_rad) / kDegree;
-    const double heading_deg = turned_deg < 0.0 ? turned_deg + 360.0 : turned_deg;
-    lines.push_back({"  x y        " + fixed_text(pose.x_m, 3) + " m, " + fixed_text(pose.y_m, 3) + " m",
-                     CellStyle::Bold});
-    lines.push_back({"  heading    " + fixed_text(heading_deg, 2) + " deg", CellStyle::Bold});
-    lines.push_back({"  1 sigma    " + sigma_text(pose)});
+  if (core::has_pose(firmware::fix_of(pose))) {
+    add_place(pose, lines);
   }
   std::string alarms;
   append_general(alarms, pose.expected_false_alarms, 3);
@@ -124,6 +132,10 @@ void add_slam(const StatusMessage& status, TextLines& lines) {
   lines.push_back({"map          " + std::string(firmware::text_of(status.map_name)) + ", " +
                    count(status.landmarks, "landmark", "landmarks") + ", revision " +
                    std::to_string(status.map_revision) + (status.map_frozen ? ", frozen" : "")});
+  if (status.local_maps > 0) {
+    lines.push_back({"  and        " + count(status.local_maps, "local map", "local maps") + " with " +
+                     count(status.local_landmarks, "landmark", "landmarks")});
+  }
   const bool was_saved = status.map_saved_ago_ns >= 0;
   lines.push_back({"  " +
                        (was_saved ? "saved " + duration(status.map_saved_ago_ns) + " ago" : "never saved") +

@@ -46,7 +46,7 @@ for line in open(sys.argv[1], newline='\r\n'):
     m = pynmea2.parse(line, check=True)
     lines += 1
     if isinstance(m, pynmea2.ProprietarySentence):
-        assert m.data[1] == 'POSE' and len(m.data) == 15, line
+        assert m.data[1] == 'POSE' and len(m.data) == 17, line
         continue
     if m.sentence_type == 'HDT':
         headings += 1

@@ -10,6 +10,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace slamsensor::firmware {
@@ -40,13 +41,14 @@ class Nmea : public testing::Test {
 
 TEST_F(Nmea, GoldenEpochOfAFix) {
   context_.zda = true;
-  EXPECT_THAT(lines(good_fix(), context_),
-              ElementsAre("$GPRMC,101530.20,A,4727.1234560,N,00834.6543212,E,,,140725,,,A*54",
-                          "$GPGGA,101530.20,4727.1234560,N,00834.6543212,E,1,08,0.24,412.35,M,0.0,M,,*5C",
-                          "$GPGBS,101530.20,0.055,0.045,,,,,*6A", "$GPHDT,123.45,T*04",
-                          "$GPGST,101530.20,0.300,0.055,0.045,0.0,0.055,0.045,*7E",
-                          "$GPZDA,101530.20,14,07,2025,00,00*65",
-                          "$PSLMA,POSE,101530.20,A,A,0,0.000,0.000,326.550,0.055,0.50,3,8,11,0.00*59"));
+  EXPECT_THAT(
+      lines(good_fix(), context_),
+      ElementsAre("$GPRMC,101530.20,A,4727.1234560,N,00834.6543212,E,,,140725,,,A*54",
+                  "$GPGGA,101530.20,4727.1234560,N,00834.6543212,E,1,08,0.24,412.35,M,0.0,M,,*5C",
+                  "$GPGBS,101530.20,0.055,0.045,,,,,*6A", "$GPHDT,123.45,T*04",
+                  "$GPGST,101530.20,0.300,0.055,0.045,0.0,0.055,0.045,*7E",
+                  "$GPZDA,101530.20,14,07,2025,00,00*65",
+                  "$PSLMA,POSE,101530.20,A,A,0,0.000,0.000,326.550,0.055,0.50,3,8,11,0.00,1,0.40*72"));
 }
 
 TEST_F(Nmea, GoldenEpochWithoutAFix) {
@@ -58,25 +60,27 @@ TEST_F(Nmea, GoldenEpochWithoutAFix) {
   EXPECT_THAT(lines(fix, context_),
               ElementsAre("$GPRMC,101530.20,V,,,,,,,140725,,,N*7C", "$GPGGA,101530.20,,,,,0,00,,,,,,,*4C",
                           "$GPGBS,101530.20,,,,,,,*6B", "$GPGST,101530.20,,,,,,,*7D",
-                          "$PSLMA,POSE,101530.20,V,A,2,,,,,,,0,7,0.00*5C"));
+                          "$PSLMA,POSE,101530.20,V,A,2,,,,,,,0,7,0.00,,*5C"));
 }
 
 TEST_F(Nmea, AnAmbiguousPoseIsNeverAPosition) {
   core::Fix fix = good_fix();
   fix.status = core::FixStatus::Ambiguous;
   fix.reason = core::FixReason::Symmetric;
-  EXPECT_THAT(lines(fix, context_),
-              ElementsAre("$GPRMC,101530.20,V,,,,,,,140725,,,N*7C", "$GPGGA,101530.20,,,,,0,00,,,,,,,*4C",
-                          "$GPGBS,101530.20,,,,,,,*6B", "$GPGST,101530.20,,,,,,,*7D",
-                          "$PSLMA,POSE,101530.20,U,A,3,0.000,0.000,326.550,0.055,0.50,3,8,11,0.00*4E"));
+  EXPECT_THAT(
+      lines(fix, context_),
+      ElementsAre("$GPRMC,101530.20,V,,,,,,,140725,,,N*7C", "$GPGGA,101530.20,,,,,0,00,,,,,,,*4C",
+                  "$GPGBS,101530.20,,,,,,,*6B", "$GPGST,101530.20,,,,,,,*7D",
+                  "$PSLMA,POSE,101530.20,U,A,3,0.000,0.000,326.550,0.055,0.50,3,8,11,0.00,1,0.40*65"));
 }
 
 TEST_F(Nmea, WithoutADatumOnlyTheLocalSentenceCarriesThePose) {
   context_.geo = nullptr;
-  EXPECT_THAT(lines(good_fix(), context_),
-              ElementsAre("$GPRMC,101530.20,V,,,,,,,140725,,,N*7C", "$GPGGA,101530.20,,,,,0,00,,,,,,,*4C",
-                          "$GPGBS,101530.20,,,,,,,*6B", "$GPGST,101530.20,,,,,,,*7D",
-                          "$PSLMA,POSE,101530.20,A,A,0,0.000,0.000,326.550,0.055,0.50,3,8,11,0.00*59"));
+  EXPECT_THAT(
+      lines(good_fix(), context_),
+      ElementsAre("$GPRMC,101530.20,V,,,,,,,140725,,,N*7C", "$GPGGA,101530.20,,,,,0,00,,,,,,,*4C",
+                  "$GPGBS,101530.20,,,,,,,*6B", "$GPGST,101530.20,,,,,,,*7D",
+                  "$PSLMA,POSE,101530.20,A,A,0,0.000,0.000,326.550,0.055,0.50,3,8,11,0.00,1,0.40*72"));
 }
 
 TEST_F(Nmea, AReplayCallsItselfSimulated) {
@@ -168,13 +172,65 @@ TEST_F(Nmea, NoSentenceEverExceeds82Characters) {
   fix.covariance = Eigen::Matrix3d::Identity() * 1e300;
   fix.error_xi = std::numeric_limits<std::uint32_t>::max();
   fix.matches = fix.landmarks_seen = std::numeric_limits<std::uint32_t>::max();
+  fix.map = std::numeric_limits<std::uint32_t>::max();
+  fix.protection_radius_m = 1e300;
   const std::vector<std::string> sentences = lines(fix, context_);
   ASSERT_EQ(sentences.size(), 8U);
   for (const std::string& line : sentences) {
     expect_well_formed(line);
   }
+  ASSERT_EQ(fields(sentences.back()).size(), 17U);
   EXPECT_EQ(fields(sentences.back())[6], "-1000000");
-  EXPECT_EQ(fields(sentences.back())[14], "99999");
+  EXPECT_EQ(fields(sentences.back())[15], "4294967295");
+  for (const std::size_t given_up : {9U, 10U, 14U, 16U}) {
+    EXPECT_EQ(fields(sentences.back())[given_up], "");
+  }
+}
+
+TEST_F(Nmea, ThePlaceKeepsItsMillimetresWhileOtherFieldsGetShorter) {
+  core::Fix fix = good_fix();
+  fix.pose_W.x_m = fix.pose_W.y_m = -234.567;
+  fix.error_xi = 12;
+  fix.protection_radius_m = 0.61;
+  context_.moment = NmeaMoment{.utc = good_fix().time.middle_utc, .age = 5300ms};
+  EXPECT_EQ(lines(fix, context_).back().substr(27), ",-234.567,-234.567,326.55,0.06,0.5,12,8,11,5,1,0.7*6C");
+}
+
+// A radius that looks smaller than it is would promise too much.
+TEST_F(Nmea, TheProtectionRadiusIsRoundedUp) {
+  core::Fix fix = good_fix();
+  for (const auto& [radius_m, text] : {std::pair(0.4, "0.40"), std::pair(0.401, "0.41"),
+                                       std::pair(2.0 / 3.0, "0.67"), std::pair(0.0001, "0.01")}) {
+    fix.protection_radius_m = radius_m;
+    EXPECT_EQ(fields(lines(fix, context_).back())[16], text);
+  }
+  for (const double unknown : {0.0, -1.0, std::nan("")}) {
+    fix.protection_radius_m = unknown;
+    EXPECT_EQ(fields(lines(fix, context_).back())[16], "");
+  }
+}
+
+// A pose in another frame would be taken for one in the home map.
+TEST_F(Nmea, APoseInALocalMapIsNoFix) {
+  core::Fix fix = good_fix();
+  fix.status = core::FixStatus::NoFix;
+  fix.reason = core::FixReason::LocalMap;
+  fix.map = 2;
+  const std::vector<std::string> sentences = lines(fix, context_);
+  EXPECT_EQ(fields(sentences[0])[2], "V");
+  EXPECT_EQ(sentences.back().substr(0, 49), "$PSLMA,POSE,101530.20,V,A,10,,,,,,,8,11,0.00,,*50");
+}
+
+TEST_F(Nmea, ReasonsHaveTheirNumbers) {
+  core::Fix fix = good_fix();
+  fix.status = core::FixStatus::NoFix;
+  for (const auto& [reason, number] :
+       {std::pair(core::FixReason::Timing, "8"), std::pair(core::FixReason::Copy, "9"),
+        std::pair(core::FixReason::LocalMap, "10"), std::pair(core::FixReason::NoScan, "11")}) {
+    fix.reason = reason;
+    EXPECT_EQ(fields(lines(fix, context_).back())[5], number);
+  }
+  EXPECT_EQ(fields(lines(core::Fix{}, context_).back())[5], "11") << "before the first scan";
 }
 
 double angle_deg(const std::string& text, std::size_t degree_digits, char hemisphere) {

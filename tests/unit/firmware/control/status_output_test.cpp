@@ -36,7 +36,11 @@ TEST(FixJson, HasPoseAndErrorsOfAFix) {
   EXPECT_THAT(json, HasSubstr(R"("x_m":12.5,"y_m":-3.25,"heading_rad":0)"));
   EXPECT_THAT(
       json,
-      HasSubstr(R"("covariance":[0.04,0,0,0,0.01,0,0,0,1e-04],"sigma_m":0.2,"sigma_heading_rad":0.01)"));
+      HasSubstr(R"("covariance":[0.04,0,0,0,0.01,0,0,0,1e-04],"sigma_m":0.2,"sigma_heading_rad":0.01,)"));
+  EXPECT_THAT(json, HasSubstr(R"("home":2,"map":2,"x_m")"));
+  EXPECT_THAT(json,
+              HasSubstr(R"("protection_radius_m":1.05,"covariance_near":[4e-04,0,0,0,9e-04,0,0,0,1e-04],)"
+                        R"("sigma_near_m":0.03,"error_xi":0)"));
   EXPECT_THAT(json, HasSubstr(R"("matches":23,"landmarks_seen":30,"landmarks_in_map":512)"));
 }
 
@@ -47,6 +51,43 @@ TEST(FixJson, HasNoPoseWithoutAFix) {
   EXPECT_THAT(json,
               HasSubstr(R"("x_m":null,"y_m":null,"heading_rad":null,"heading_deg":null,"covariance":null)"));
   EXPECT_THAT(json, Not(HasSubstr("12.5")));
+}
+
+// A script that reads x_m without looking at the status must not take another frame's pose for one in the
+// home map.
+TEST(FixJson, APoseInALocalMapNamesThatMap) {
+  SensorStatus status = fixed_status();
+  status.report.fix.status = core::FixStatus::NoFix;
+  status.report.fix.reason = core::FixReason::LocalMap;
+  status.report.fix.map = 4;
+  EXPECT_THAT(fix_json(status), HasSubstr(R"("status":"no_fix","reason":"local_map")"));
+  EXPECT_THAT(fix_json(status), HasSubstr(R"("home":2,"map":4,"x_m":12.5)"));
+  EXPECT_THAT(fix_text(status), Contains("map:            4, local: its place is not known yet"));
+}
+
+TEST(FixText, TellsMapAndProtectionRadius) {
+  const auto lines = fix_text(fixed_status());
+  EXPECT_THAT(lines, Contains("map:            2, home"));
+  EXPECT_THAT(lines, Contains("1 sigma near:   0.030 m, 0.57 deg"));
+  EXPECT_THAT(lines, Contains("protection:     1.050 m, exceeded with at most the configured risk"));
+}
+
+TEST(StatusText, TellsLocalMaps) {
+  SensorStatus status = fixed_status();
+  EXPECT_THAT(status_text(status), Not(Contains(HasSubstr("local map"))));
+  status.slam.local_maps = 1;
+  status.slam.local_landmarks = 17;
+  EXPECT_THAT(status_text(status),
+              Contains(HasSubstr("512 landmarks, 1 local map with 17 landmarks, saved")));
+  EXPECT_THAT(status_json(status), HasSubstr(R"("local_maps":1,"local_landmarks":17)"));
+}
+
+TEST(StatusText, BeforeTheFirstScanItSaysSo) {
+  SensorStatus status = fixed_status();
+  status.state = SensorState::Scanning;
+  status.report.fix = {};
+  EXPECT_THAT(status_text(status), Contains("fix:            no fix: no scan yet"));
+  EXPECT_THAT(fix_json(status), HasSubstr(R"("status":"no_fix","reason":"no_scan")"));
 }
 
 TEST(StatusJson, TellsNeverAsNull) {

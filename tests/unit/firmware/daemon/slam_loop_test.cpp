@@ -100,7 +100,9 @@ TEST_F(SlamLoopTest, AStopEndsASearchAndItsScanHasNoResult) {
   is_stopping = false;
   const auto next = scan_at(2.0);
   ASSERT_TRUE(next);
-  EXPECT_EQ(next->fix.status, core::FixStatus::Fix);
+  // The scan that was cut may have been kept in a local map, so that this one is not the next of a row of scans.
+  EXPECT_NE(next->fix.status, core::FixStatus::NoFix);
+  EXPECT_NEAR(next->fix.pose_W.x_m, 2.0, 0.2);
 }
 
 TEST_F(SlamLoopTest, OrdersComeBeforeScansAndAreAnswered) {

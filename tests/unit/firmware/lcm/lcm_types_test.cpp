@@ -28,9 +28,12 @@ for path in sorted(folder.glob('*.message')):
     print(path.stem, cls._get_packed_fingerprint().hex(), len(data))
     if path.stem == 'slamsensor.pose_t':
         print(message.utime, message.scan, message.status == cls.STATUS_FIX, message.x_m, message.covariance[8],
-              message.jumps, message.reason == cls.REASON_NONE, message.initialization)
+              message.jumps, message.reason == cls.REASON_NONE, message.initialization, message.map, message.home,
+              message.protection_radius_m, message.covariance_near[8], cls.REASON_COPY, cls.REASON_LOCAL_MAP,
+              cls.REASON_NO_SCAN)
     if path.stem == 'slamsensor.status_t':
-        print(message.device_problem[1].rstrip(b'\0').decode(), message.state == cls.STATE_FIXED, message.pan_rad)
+        print(message.device_problem[1].rstrip(b'\0').decode(), message.state == cls.STATE_FIXED, message.pan_rad,
+              message.local_maps, message.local_landmarks)
     if path.stem == 'slamsensor.counters_t':
         print(message.name[2].rstrip(b'\0').decode(), message.value[2], message.station == cls.STATION_PAN_TILT)
     if path.stem == 'slamsensor.map_t':
@@ -96,15 +99,16 @@ TEST_F(LcmTypes, AreThoseOfTheLcmFiles) {
   write("slamsensor.counters_t", {out.data(), encode_counters(status, {}, LcmStation::PanTilt, 0, out)});
   write("slamsensor.map_t", {out.data(), encode_map_chunk(map.view(), 0, out)});
   write("slamsensor.scan_t", {out.data(), encode_scan_chunk(tests::view_of(landmarks), 0, out)});
-  EXPECT_EQ(read_by_generated_code(),
-            line_of<BotCorePose>("bot_core.pose_t") +  //
-                line_of<CountersMessage>("slamsensor.counters_t") + "resynchronised 281474976710655 True\n" +
-                line_of<MapMessage>("slamsensor.map_t") + "13 -0.25 2\n" +
-                line_of<PoseMessage>("slamsensor.pose_t") +
-                "1752488140000000 4294967290 True 12.5 3e-05 2 True -81985529216486896\n" +
-                line_of<ScanMessage>("slamsensor.scan_t") + "0.2 998.0 98765432101\n" +
-                line_of<StatusMessage>("slamsensor.status_t") +
-                "no reply at 115200 baud; check cable and power True -0.75\n");
+  EXPECT_EQ(
+      read_by_generated_code(),
+      line_of<BotCorePose>("bot_core.pose_t") +  //
+          line_of<CountersMessage>("slamsensor.counters_t") + "resynchronised 281474976710655 True\n" +
+          line_of<MapMessage>("slamsensor.map_t") + "13 -0.25 2\n" +
+          line_of<PoseMessage>("slamsensor.pose_t") +
+          "1752488140000000 4294967290 True 12.5 3e-05 2 True -81985529216486896 3 3 0.9 6e-06 9 10 11\n" +
+          line_of<ScanMessage>("slamsensor.scan_t") + "0.2 998.0 98765432101\n" +
+          line_of<StatusMessage>("slamsensor.status_t") +
+          "no reply at 115200 baud; check cable and power True -0.75 2 31\n");
 }
 
 }  // namespace

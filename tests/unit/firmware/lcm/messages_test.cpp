@@ -46,6 +46,10 @@ TEST(LcmPose, BringsTheWholeFix) {
   EXPECT_EQ(fix.weight_best, report.fix.weight_best);
   EXPECT_EQ(fix.weight_runner_up, report.fix.weight_runner_up);
   EXPECT_EQ(fix.jumps, report.fix.jumps);
+  EXPECT_EQ(fix.map, 3U);
+  EXPECT_EQ(fix.home, 3U);
+  EXPECT_EQ(fix.protection_radius_m, 0.9);
+  EXPECT_EQ(fix.covariance_near, report.fix.covariance_near);
   EXPECT_EQ(message->utime, 1'752'488'140'000'000);
   EXPECT_EQ(message->report_monotonic_ns, report.monotonic.count());
   EXPECT_EQ(message->uptime_ns, report.uptime.count());
@@ -61,6 +65,38 @@ TEST(LcmPose, SaysThatThereWasNoFixYet) {
   const auto message = decode_lcm<PoseMessage>({out.data(), encode_pose(report, out)});
   ASSERT_TRUE(message);
   EXPECT_EQ(message->time_to_first_fix_ns, -1);
+}
+
+// The one output in which a pose in a local map is told; the map's number says that it is no fix of the home
+// map.
+TEST(LcmPose, CarriesThePoseInALocalMapWithItsNumber) {
+  std::array<std::uint8_t, 1400> out{};
+  FixReport report = sample_report();
+  report.fix.status = core::FixStatus::NoFix;
+  report.fix.reason = core::FixReason::LocalMap;
+  report.fix.map = 5;
+  const auto message = decode_lcm<PoseMessage>({out.data(), encode_pose(report, out)});
+  ASSERT_TRUE(message);
+  EXPECT_EQ(message->status, 0);
+  EXPECT_EQ(message->reason, 10);
+  EXPECT_EQ(message->map, 5);
+  EXPECT_EQ(message->home, 3);
+  EXPECT_EQ(message->x_m, 12.5);
+  EXPECT_EQ(message->protection_radius_m, 0.9);
+  EXPECT_EQ(encode_bot_core_pose(report, out), 0U);
+}
+
+TEST(LcmPose, NamesNoMapWithoutAPose) {
+  std::array<std::uint8_t, 1400> out{};
+  FixReport report = sample_report();
+  report.fix.status = core::FixStatus::NoFix;
+  for (int reason = 1; reason <= static_cast<int>(core::FixReason::NoScan); ++reason) {
+    report.fix.reason = static_cast<core::FixReason>(reason);
+    const auto message = decode_lcm<PoseMessage>({out.data(), encode_pose(report, out)});
+    ASSERT_TRUE(message) << reason;
+    EXPECT_EQ(message->reason, reason);
+    EXPECT_EQ(message->map != 0, report.fix.reason == core::FixReason::LocalMap) << reason;
+  }
 }
 
 TEST(LcmPose, RefusesCodesThatMeanNothing) {
@@ -121,6 +157,9 @@ TEST(LcmStatus, BringsStateDevicesAndMap) {
   EXPECT_EQ(message->readings, 3'060'000);
   EXPECT_EQ(message->process_max_ns, 9'000'000);
   EXPECT_EQ(message->map_revision, 44);
+  EXPECT_EQ(message->landmarks, 345);
+  EXPECT_EQ(message->local_maps, 2);
+  EXPECT_EQ(message->local_landmarks, 31);
   EXPECT_EQ(text_of(message->map_name), "orchard");
   EXPECT_EQ(message->map_saved_ago_ns, 31'000'000'000);
 }

@@ -30,6 +30,10 @@ inline firmware::FixReport sample_report() {
   fix.weight_best = 7777;
   fix.weight_runner_up = 6666;
   fix.jumps = 2;
+  fix.map = 3;
+  fix.home = 3;
+  fix.protection_radius_m = 0.9;
+  fix.covariance_near << 0.004, 0.0004, 0.00004, 0.0004, 0.005, 0.00005, 0.00004, 0.00005, 0.000006;
   report.source = firmware::SourceMode::Emulated;
   report.monotonic = std::chrono::nanoseconds(98'865'432'101);
   report.uptime = std::chrono::seconds(86);
@@ -74,6 +78,8 @@ inline firmware::SensorStatus sample_status() {
                  .fixes = 11,
                  .landmarks = 345,
                  .hypotheses = 3,
+                 .local_maps = 2,
+                 .local_landmarks = 31,
                  .map_revision = 44,
                  .frozen = true,
                  .process_last = std::chrono::milliseconds(7),

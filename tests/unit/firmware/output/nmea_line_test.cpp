@@ -35,6 +35,8 @@ core::Fix longest_fix() {
   fix.covariance = Eigen::Matrix3d::Identity() * 1e10;
   fix.covariance(0, 1) = fix.covariance(1, 0) = -5e9;
   fix.error_xi = fix.matches = fix.landmarks_seen = std::numeric_limits<std::uint32_t>::max();
+  fix.map = std::numeric_limits<std::uint32_t>::max();
+  fix.protection_radius_m = 1e4;
   return fix;
 }
 
@@ -72,6 +74,8 @@ TEST(NmeaLineProperty, NoEpochExceedsTheMostBytesOfItsSentences) {
     fix.covariance = Eigen::Matrix3d::Identity() * std::pow(10.0, uniform(-6.0, 12.0));
     fix.matches = static_cast<std::uint32_t>(uniform(0.0, 2000.0));
     fix.error_xi = static_cast<std::uint32_t>(uniform(0.0, 20'000.0));
+    fix.map = static_cast<std::uint32_t>(std::pow(10.0, uniform(0.0, 9.0)));
+    fix.protection_radius_m = std::pow(10.0, uniform(-3.0, 6.0));
     NmeaContext context = nmea_context(config, &geo, NmeaMode::Live);
     context.moment =
         NmeaMoment{.utc = good_fix().time.middle_utc, .age = hal::from_seconds(uniform(0.0, 1e6))};

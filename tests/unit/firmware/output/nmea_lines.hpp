@@ -25,6 +25,8 @@ inline core::Fix good_fix() {
   fix.matches = 8;
   fix.landmarks_seen = 11;
   fix.error_xi = 3;
+  fix.map = fix.home = 1;
+  fix.protection_radius_m = 0.4;
   return fix;
 }
 

@@ -28,7 +28,7 @@ TEST_F(NmeaMoments, AnEpochBetweenScansHasItsOwnTimeAndTellsTheAgeOfTheScan) {
     EXPECT_EQ(fields(sentences[i])[1], "101654.00") << sentences[i];
   }
   EXPECT_EQ(fields(sentences[6])[2], "101654.00");
-  EXPECT_EQ(fields(sentences[6])[14], "83.80");
+  EXPECT_EQ(fields(sentences[6])[14], "83.8");
 }
 
 TEST_F(NmeaMoments, AnAgeIsNeverNegativeAndEmptyBeforeTheFirstScan) {
@@ -36,7 +36,7 @@ TEST_F(NmeaMoments, AnAgeIsNeverNegativeAndEmptyBeforeTheFirstScan) {
   EXPECT_EQ(fields(lines(good_fix(), context_).back())[14], "0.00");
   context_.moment->age.reset();
   const std::vector<std::string> last = fields(lines(good_fix(), context_).back());
-  ASSERT_EQ(last.size(), 15U);
+  ASSERT_EQ(last.size(), 17U);
   EXPECT_EQ(last[14], "");
 }
 
@@ -48,11 +48,16 @@ TEST_F(NmeaMoments, TheAgeGivesUpItsDecimalsBeforeThePoseDoes) {
   const std::vector<std::string> last = fields(lines(fix, context_).back());
   EXPECT_EQ(last[6], "-1234.57");
   EXPECT_EQ(last[14], "512");
-  fix.pose_W = {-123.456, -345.678, 2.0};
+  fix.pose_W = {-23.456, -45.678, 2.0};
   fix.error_xi = 3;
   const std::vector<std::string> usual = fields(lines(fix, context_).back());
-  EXPECT_EQ(usual[6], "-123.456");
-  EXPECT_EQ(usual[14], "512.3");
+  EXPECT_EQ(usual[6], "-23.456");
+  EXPECT_EQ(usual[8], "114.59");
+  EXPECT_EQ(usual[14], "512");
+  fix.pose_W = {3.5, 5.5, 1.0};
+  const std::vector<std::string> near = fields(lines(fix, context_).back());
+  EXPECT_EQ(near[14], "512.3");
+  EXPECT_EQ(near[16], "0.40");
 }
 
 TEST_F(NmeaMoments, SentencesAreSettings) {

@@ -53,8 +53,9 @@ TEST_F(SensorTrackerTest, StartsUntilAllDevicesHaveAnswered) {
   tracker_.on_head(head_of(hal::DeviceState::Ready, hal::DeviceState::Starting));
   expect(SensorState::Starting, FixStatus::NoFix, FixReason::Device, seconds(102));
   tracker_.on_head(ready_head());
-  EXPECT_EQ(tracker_.state(seconds(103)), SensorState::Scanning);
-  EXPECT_EQ(tracker_.report(seconds(103)).fix.status, FixStatus::NoFix);
+  expect(SensorState::Scanning, FixStatus::NoFix, FixReason::NoScan, seconds(103));
+  // In one-shot mode without a trigger it stays so, and nothing gets old that never was.
+  expect(SensorState::Scanning, FixStatus::NoFix, FixReason::NoScan, seconds(1000));
 }
 
 TEST_F(SensorTrackerTest, AnInclinometerIsADeviceLikeTheOthers) {
@@ -132,8 +133,9 @@ TEST_F(SensorTrackerTest, AnotherMapMakesTheFixVoid) {
   tracker_.on_head(ready_head());
   tracker_.on_fix(good_fix(), seconds(110));
   tracker_.on_new_map();
-  EXPECT_EQ(tracker_.state(seconds(111)), SensorState::Scanning);
-  EXPECT_EQ(tracker_.report(seconds(111)).fix.status, FixStatus::NoFix);
+  expect(SensorState::Scanning, FixStatus::NoFix, FixReason::NoScan, seconds(111));
+  tracker_.on_fix(fix_of(FixStatus::NoFix, FixReason::NoOverlap), seconds(112));
+  expect(SensorState::Lost, FixStatus::NoFix, FixReason::NoOverlap, seconds(112));
 }
 
 TEST_F(SensorTrackerTest, TimeToFirstFixIsThatOfTheFirst) {

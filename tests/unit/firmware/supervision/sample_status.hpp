@@ -18,6 +18,9 @@ inline SensorStatus fixed_status() {
   fix.scan = 41;
   fix.pose_W = {12.5, -3.25, 0.0};
   fix.covariance.diagonal() << 0.04, 0.01, 0.0001;
+  fix.map = fix.home = 2;
+  fix.covariance_near.diagonal() << 0.0004, 0.0009, 0.0001;
+  fix.protection_radius_m = 1.05;
   fix.matches = 23;
   fix.landmarks_seen = 30;
   fix.landmarks_in_map = 512;

@@ -35,6 +35,14 @@ TEST(StatusLine, BeforeTheFirstScanThereIsNothingToSayOfAFix) {
   EXPECT_EQ(status_line(SensorStatus{}), "starting, map '' 0 landmarks; pan-tilt absent; rangefinder absent");
 }
 
+TEST(StatusLine, AfterAnotherMapWasLoadedThereIsNoScanYet) {
+  SensorStatus status = fixed_status();
+  status.state = SensorState::Scanning;
+  status.report.fix = {};
+  EXPECT_TRUE(status_line(status).starts_with("scanning, no fix: no scan yet, map 'default'"))
+      << status_line(status);
+}
+
 TEST(StatusLine, AFaultedSensorMayStillHaveItsFix) {
   SensorStatus status = fixed_status();
   status.state = SensorState::Faulted;

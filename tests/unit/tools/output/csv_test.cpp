@@ -16,7 +16,7 @@ constexpr std::string_view kFixesHeading =
     "scan,status,reason,search_end,x_m,y_m,heading_rad,sigma_x_m,sigma_y_m,sigma_heading_rad,corr_x_y,corr_x_"
     "heading,"
     "corr_y_heading,error_xi,matches,landmarks_seen,landmarks_in_map,expected_false_alarms,weight_best,"
-    "weight_runner_up,jumps,t_s,milliseconds\n";
+    "weight_runner_up,jumps,map,home,protection_radius_m,sigma_near_m,t_s,milliseconds\n";
 
 FixRow fix_row() {
   FixRow row;
@@ -37,6 +37,9 @@ FixRow fix_row() {
   fix.weight_best = 100;
   fix.weight_runner_up = 60;
   fix.jumps = 2;
+  fix.map = fix.home = 1;
+  fix.protection_radius_m = 1.25;
+  fix.covariance_near.diagonal() << 0.0004, 0.0009, 1e-6;
   return row;
 }
 
@@ -46,7 +49,7 @@ TEST(FixesCsv, GoldenFix) {
       format_fixes({&row, 1}),
       std::string(kFixesHeading) +
           "12,fix,none,share,1.500000,-2.250000,0.500000000,0.200000,0.500000,0.001000000,0.100000,0.000000,"
-          "-1.000000,4,11,20,45,1.5e-07,100,60,2,12.5,3.250\n");
+          "-1.000000,4,11,20,45,1.5e-07,100,60,2,1,1,1.250000,0.030000,12.5,3.250\n");
 }
 
 TEST(FixesCsv, GoldenNoFixHasEmptyPoseAndAllColumns) {
@@ -55,8 +58,9 @@ TEST(FixesCsv, GoldenNoFixHasEmptyPoseAndAllColumns) {
   row.fix.reason = core::FixReason::TooFewLandmarks;
   row.fix.search_end = core::SearchEnd::NotStarted;
   const std::string text = format_fixes({&row, 1}, MeasuredTimes::Empty);
-  EXPECT_EQ(text, std::string(kFixesHeading) +
-                      "12,no_fix,too_few_landmarks,not_started,,,,,,,,,,,11,20,45,1.5e-07,100,60,2,12.5,\n");
+  EXPECT_EQ(text,
+            std::string(kFixesHeading) +
+                "12,no_fix,too_few_landmarks,not_started,,,,,,,,,,,11,20,45,1.5e-07,100,60,2,0,1,,,12.5,\n");
   const std::string line = text.substr(kFixesHeading.size());
   EXPECT_EQ(std::count(line.begin(), line.end(), ','),
             std::count(kFixesHeading.begin(), kFixesHeading.end(), ','));
@@ -66,6 +70,16 @@ TEST(FixesCsv, AmbiguousHasItsPose) {
   FixRow row = fix_row();
   row.fix.status = core::FixStatus::Ambiguous;
   EXPECT_NE(format_fixes({&row, 1}).find("12,ambiguous,none,share,1.500000"), std::string::npos);
+}
+
+TEST(FixesCsv, APoseInALocalMapComesWithThatMapsNumber) {
+  FixRow row = fix_row();
+  row.fix.status = core::FixStatus::NoFix;
+  row.fix.reason = core::FixReason::LocalMap;
+  row.fix.map = 4;
+  const std::string text = format_fixes({&row, 1});
+  EXPECT_NE(text.find("12,no_fix,local_map,share,1.500000"), std::string::npos) << text;
+  EXPECT_NE(text.find(",100,60,2,4,1,1.250000,0.030000,12.5,"), std::string::npos) << text;
 }
 
 TEST(FixesCsv, OriginIsKnownExactly) {
@@ -100,6 +114,15 @@ TEST(TrajectoryTum, OnlyFixesAreInTheTrajectory) {
   ASSERT_EQ(poses.size(), 1U);
   EXPECT_EQ(poses[0].t, 12.5);
   EXPECT_EQ(poses[0].pose.y_m, -2.25);
+}
+
+TEST(TrajectoryTum, LeavesOutFixesOfAHomeMapThatWasGivenUp) {
+  std::vector<FixRow> rows(3, fix_row());
+  rows[2].fix.home = rows[2].fix.map = 2;
+  rows[2].t_s = 14.5;
+  const std::vector<TimedPose> poses = trajectory_of(rows);
+  ASSERT_EQ(poses.size(), 1U);
+  EXPECT_EQ(poses[0].t, 14.5);
 }
 
 TEST(MapCsv, Golden) {

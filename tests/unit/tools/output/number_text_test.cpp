@@ -54,6 +54,9 @@ static_assert(core::to_string(core::FixStatus::NoFix) == "no_fix");
 static_assert(core::to_string(core::FixStatus::Ambiguous) == "ambiguous");
 static_assert(core::to_string(core::FixReason::TooFewLandmarks) == "too_few_landmarks");
 static_assert(core::to_string(core::FixReason::NoOverlap) == "no_overlap");
+static_assert(core::to_string(core::FixReason::Copy) == "copy");
+static_assert(core::to_string(core::FixReason::LocalMap) == "local_map");
+static_assert(core::to_string(core::FixReason::NoScan) == "no_scan");
 static_assert(core::to_string(core::SearchEnd::NotStarted) == "not_started");
 static_assert(core::to_string(static_cast<core::FixReason>(200)) == "unknown");
 

@@ -124,7 +124,7 @@ TEST(TapeReader, RefusesNumbersBeyondTheirBounds) {
       {0x60, 0x00, 0x81, 0x40},                                            // 8193 bytes
       {0x70, 0x03, 0x00},                                                  // no such status
       {0xA1, 0x00, 0x01, 0x12, 1, 2, 3, 4, 5, 6, 7, 8, 9},                 // a frame of nine bytes
-      {0xC0, 0x05, 0x00},                                                  // no such command
+      {0xC0, 0x06, 0x00},                                                  // no such command
       {0x00, 0x00, 0x02, 0x00},                                            // neither up nor down
       {0x80, 0x00, 0x80, 0x80, 0x80, 0x80, 0x10},                          // 2^32 baud
       {0x10, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x02},  // more than 64 bits

@@ -1,6 +1,7 @@
 #include "tools/replay/replay.hpp"
 
 #include "tests/support/forest.hpp"
+#include "tools/input/tum.hpp"
 #include "tools/replay/replay_report.hpp"
 
 #include <gtest/gtest.h>
@@ -45,7 +46,7 @@ class ReplayTest : public testing::Test {
     for (int i = 0; i < 10; ++i) {
       const bool foreign = i == 6;
       for (const core::Point2& p : tests::scan_forest(
-               foreign ? elsewhere : forest, {1.5 * i - 8.0, 2.0, 0.1 * i}, {24, 0.1, 1, 0.05}, draw)) {
+               foreign ? elsewhere : forest, {1.5 * i - 8.0, 2.0, 0.1 * i}, {40, 0.05, 1, 0.05}, draw)) {
         list << 10 * i << ',' << p.x() << ',' << p.y() << ",0.3,1\n";
       }
     }
@@ -82,7 +83,8 @@ TEST_F(ReplayTest, TheSameInputGivesTheSameBytes) {
     ASSERT_TRUE(result);
     ASSERT_TRUE(write_replay(*result, config_, {}, std::nullopt, MeasuredTimes::Empty, folder_ / out));
   }
-  for (const char* const name : {"trajectory.tum", "fixes.csv", "map.csv", "track.nmea", "plot.svg"}) {
+  for (const char* const name :
+       {"trajectory.tum", "hindsight.tum", "fixes.csv", "map.csv", "track.nmea", "plot.svg"}) {
     const std::string bytes = read(folder_ / "a" / name);
     EXPECT_FALSE(bytes.empty()) << name;
     EXPECT_EQ(bytes, read(folder_ / "b" / name)) << name;
@@ -145,6 +147,43 @@ TEST_F(ReplayTest, WhatAFolderHoldsBesideScansIsCountedAndMayMakeTheRunIncomplet
   ASSERT_TRUE(result) << result.error().message;
   EXPECT_TRUE(is_incomplete(*result));
   EXPECT_NE(replay_summary(*result).find("entries not read 2\n"), std::string::npos);
+}
+
+// hindsight.tum says where the scans were by the map as it is at the end, the first scan included; one that
+// was never known in it is not there.
+TEST_F(ReplayTest, HindsightHasTheScansOfTheHomeMap) {
+  const auto result = replay({walk()}, config_);
+  ASSERT_TRUE(result);
+  ASSERT_TRUE(write_replay(*result, config_, {}, std::nullopt, MeasuredTimes::Empty, folder_ / "out"));
+  const auto hindsight = read_tum(folder_ / "out/hindsight.tum");
+  ASSERT_TRUE(hindsight) << hindsight.error().message;
+  ASSERT_EQ(hindsight->size(), 9U);
+  const core::Pose2 origin{-8.0, 2.0, 0.0};
+  std::size_t next = 0;
+  for (int i = 0; i < 10; ++i) {
+    if (i != 6) {
+      const TimedPose& timed = (*hindsight)[next++];
+      EXPECT_EQ(timed.t, 10.0 * i);
+      EXPECT_TRUE(tests::is_right(timed.pose, origin.inverse() * core::Pose2{1.5 * i - 8.0, 2.0, 0.1 * i}))
+          << i;
+    }
+  }
+  EXPECT_NE(replay_summary(*result).find("in hindsight     9 scans known in the home map\n"),
+            std::string::npos);
+  EXPECT_NE(replay_summary(*result).find("local maps       1, whose place in the home map is not known: "),
+            std::string::npos)
+      << replay_summary(*result);
+}
+
+TEST_F(ReplayTest, TheDeadlineOfTheProfileCutsWithTheClockOnAlone) {
+  config_.daemon.realtime.slam_deadline_s = 1e-9;
+  const auto cut = replay({walk()}, config_, {}, ReplayClock::On);
+  ASSERT_TRUE(cut);
+  EXPECT_GT(cut->counters.searches_cut, 0U);
+  EXPECT_NE(replay_summary(*cut).find("searches cut by the deadline: "), std::string::npos);
+  const auto whole = replay({walk()}, config_, {}, ReplayClock::Off);
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->counters.searches_cut, 0U);
 }
 
 TEST_F(ReplayTest, NothingToReplayIsAnError) {

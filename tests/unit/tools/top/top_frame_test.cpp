@@ -44,7 +44,9 @@ TEST(TopFrame, ShowsTheSensor) {
                            "fix          fix, scan 4294967290, 3.0 s ago",
                            "x y        12.500 m, -7.250 m",
                            "heading    157.56 deg",
-                           "1 sigma    0.173 m, 0.314 deg",
+                           "in map     3, home",
+                           "1 sigma    0.173 m, 0.314 deg; near 0.095 m, 0.140 deg",
+                           "protection 0.900 m",
                            "matches    17 of 21 seen, expected false alarms 1.5e-09",
                            "xi 5, W 7777 over 6666, 2 jumps, search share",
                            "head         scanning, held, scan 12, line 5 of 51",
@@ -57,6 +59,7 @@ TEST(TopFrame, ShowsTheSensor) {
                            "slam         11 fixes of 12 scans, 3 hypotheses",
                            "to the fix 7.0 ms, worst 9.0 ms",
                            "map          orchard, 345 landmarks, revision 44, frozen",
+                           "and        2 local maps with 31 landmarks",
                            "saved 31.0 s ago, changed since",
                            "m wide -|"}) {
     EXPECT_THAT(text, HasSubstr(part));
