@@ -4,6 +4,7 @@ import filecmp
 import json
 import math
 import pathlib
+import random
 import struct
 import subprocess
 import sys
@@ -177,14 +178,28 @@ class Cli(unittest.TestCase):
         m = self.write("map.csv", "id,x_m,y_m\n" + "".join(f"{i},{x},{y}\n" for i, (x, y) in enumerate(points)))
         s = self.write("scans.csv", "scan,x_m,y_m\n" + "".join(f"5,{y},{-x}\n" for x, y in points))
         poses = self.folder / "poses.csv"
-        code, output, errors = run("locate", "--map", m, "--scans", s, "--out", poses)
+        for more in ([], ["--search", "fast"], ["--search", "paper"], ["--no-deadline"]):
+            code, output, errors = run("locate", "--map", m, "--scans", s, "--out", poses, *more)
+            self.assertEqual(code, OK, errors)
+            header, row = poses.read_text().split()
+            self.assertEqual(header, "scan,status,x_m,y_m,heading_rad,matches,expected_false_alarms,milliseconds")
+            cells = row.split(",")
+            self.assertEqual(cells[:2], ["5", "fix"], more)
+            self.assertAlmostEqual(float(cells[4]), math.pi / 2, places=6)
+            self.assertEqual(cells[5], "12")
+        self.assertEqual(run("locate", "--map", m, "--scans", s, "--out", poses, "--search", "exact")[0], USAGE)
+
+    def test_locate_tells_searches_that_the_deadline_cut(self):
+        def points(seed, count, reach):
+            draw = random.Random(seed)
+            return [(draw.uniform(-reach, reach), draw.uniform(-reach, reach)) for _ in range(count)]
+        m = self.write("map.csv", "id,x_m,y_m\n" + "".join(f"{i},{x},{y}\n" for i, (x, y) in
+                                                          enumerate(points(1, 3000, 230.0))))
+        s = self.write("scans.csv", "scan,x_m,y_m\n" + "".join(f"5,{x},{y}\n" for x, y in points(2, 100, 40.0)))
+        code, output, errors = run("locate", "--map", m, "--scans", s, "--out", self.folder / "poses.csv", "--search",
+                                   "paper", "--set", "realtime.slam_deadline_s=0.01")
         self.assertEqual(code, OK, errors)
-        header, row = poses.read_text().split()
-        self.assertEqual(header, "scan,status,x_m,y_m,heading_rad,matches,expected_false_alarms,milliseconds")
-        cells = row.split(",")
-        self.assertEqual(cells[:2], ["5", "fix"])
-        self.assertAlmostEqual(float(cells[4]), math.pi / 2, places=6)
-        self.assertEqual(cells[5], "12")
+        self.assertIn("cut        1 searches by the deadline", output)
 
     def test_full_disk_is_an_error(self):
         if not pathlib.Path("/dev/full").exists():
