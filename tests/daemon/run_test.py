@@ -162,6 +162,25 @@ class Running(unittest.TestCase):
         self.ask("map save default")
         self.ask("map load default")
 
+    def test_before_the_first_scan_in_a_map_there_is_no_scan_yet(self):
+        self.sensor.wait_fix()
+        self.ask("map save kept")
+        self.ask("scan mode single")
+        self.addCleanup(self.ask, "scan mode continuous")
+        self.sensor.wait_status(lambda s: s["head"]["phase"] == "waiting", "the scan under way to end")
+        reader = nmea.Reader.tcp(self.port)
+        self.addCleanup(reader.close)
+        for request in ("map reset", "map load kept"):
+            self.ask(request)
+            status = self.sensor.wait_status(lambda s: s["fix"]["reason"] == "no_scan", "the truth after " + request)
+            self.assertEqual((status["state"], status["fix"]["status"]), ("scanning", "no_fix"))
+            self.assertIn("fix:            no fix: no scan yet", self.ask("status")[0])
+            wait_for(lambda: reader.of_kind("PSLMA")[5] == "11", "reason 11 in NMEA after " + request)
+            self.ask("scan now")
+            self.sensor.wait_status(lambda s: s["fix"]["reason"] != "no_scan", "what the scan gave")
+        self.ask("map save default")
+        self.ask("map load default")
+
     def test_datum(self):
         self.assertIn("latitude_deg: 48.0", self.ask("datum show")[0])
         self.ask("datum set -33.5 151.25 12 270")

@@ -22,15 +22,20 @@ hal::Stamp clock_now(void*) noexcept {
   return kNow;
 }
 
+/// A place whose posts stand as in a mirror: no pose explains them by those of the other.
+enum class Place { Posts, Mirrored };
+
 /// The scanline that a sensor at `x_m` on the x axis, looking along it, sweeps past the posts.
-std::vector<core::Reading> sweep_from(double x_m) {
+std::vector<core::Reading> sweep_from(double x_m, Place place) {
+  const double side = place == Place::Posts ? 1.0 : -1.0;
   std::vector<core::Reading> readings;
   for (double pan_deg = -179.0; pan_deg < 179.0; pan_deg += 0.05) {
     core::Reading reading{pan_deg * core::kDegree, 0.0, core::Reading::kNoReturn};
     for (const auto& post : kPosts_W) {
       const double dx = post[0] - x_m;
-      const double along = dx * std::cos(reading.pan_rad) + post[1] * std::sin(reading.pan_rad);
-      const double across = post[1] * std::cos(reading.pan_rad) - dx * std::sin(reading.pan_rad);
+      const double dy = side * post[1];
+      const double along = dx * std::cos(reading.pan_rad) + dy * std::sin(reading.pan_rad);
+      const double across = dy * std::cos(reading.pan_rad) - dx * std::sin(reading.pan_rad);
       const bool is_hit = along > 0.0 && std::abs(across) < kPostRadius_m;
       if (is_hit && (!reading.has_return() || along < reading.range_m)) {
         reading.range_m = along;
@@ -44,8 +49,8 @@ std::vector<core::Reading> sweep_from(double x_m) {
 class SlamLoopTest : public testing::Test {
  protected:
   /// Scans at `x_m`, and gives what the loop sends.
-  std::optional<FixMessage> scan_at(double x_m) {
-    const std::vector<core::Reading> readings = sweep_from(x_m);
+  std::optional<FixMessage> scan_at(double x_m, Place place = Place::Posts) {
+    const std::vector<core::Reading> readings = sweep_from(x_m, place);
     queue.push(ScanBegun{}, kNow);
     for (std::uint32_t line = 0; line < 3; ++line) {
       Scanline scanline;
@@ -100,7 +105,8 @@ TEST_F(SlamLoopTest, AStopEndsASearchAndItsScanHasNoResult) {
   is_stopping = false;
   const auto next = scan_at(2.0);
   ASSERT_TRUE(next);
-  // The scan that was cut may have been kept in a local map, so that this one is not the next of a row of scans.
+  // The scan that was cut may have been kept in a local map, so that this one is not the next of a row of
+  // scans.
   EXPECT_NE(next->fix.status, core::FixStatus::NoFix);
   EXPECT_NEAR(next->fix.pose_W.x_m, 2.0, 0.2);
 }
@@ -127,6 +133,26 @@ TEST_F(SlamLoopTest, OrdersComeBeforeScansAndAreAnswered) {
   ASSERT_TRUE(orders.answer());
   ASSERT_TRUE(outlets.status.refresh());
   EXPECT_EQ(outlets.status.value().landmarks, 0U);
+}
+
+TEST_F(SlamLoopTest, ScansElsewhereAreALocalMapThatTheStatusCounts) {
+  ASSERT_TRUE(scan_at(0.0));
+  ASSERT_TRUE(outlets.status.refresh());
+  EXPECT_EQ(outlets.status.value().local_maps, 0U);
+  const std::uint32_t at_home = outlets.status.value().landmarks;
+  const auto first = scan_at(0.0, Place::Mirrored);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->fix.status, core::FixStatus::NoFix);
+  ASSERT_TRUE(outlets.status.refresh());
+  EXPECT_EQ(outlets.status.value().local_maps, 1U);
+  EXPECT_GT(outlets.status.value().local_landmarks, 8U);
+  EXPECT_EQ(outlets.status.value().landmarks, at_home);
+  const auto second = scan_at(2.0, Place::Mirrored);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->fix.status, core::FixStatus::NoFix);
+  EXPECT_EQ(second->fix.reason, core::FixReason::LocalMap);
+  EXPECT_NE(second->fix.map, second->fix.home);
+  EXPECT_NEAR(second->fix.pose_W.x_m, 2.0, 0.2);
 }
 
 TEST_F(SlamLoopTest, AMoveOfTheCarrierAndTimingInDoubtTakeTheFixBack) {
