@@ -95,6 +95,7 @@ void Atlas::reset() noexcept {
   maps_made_ = 0;
   landmarks_evicted_ = 0;
   closed_scan_ = group_steps_due_ = scans_since_step_ = 0;
+  was_unseen_ = {};
   ++revision_;
 }
 

@@ -65,12 +65,31 @@ void SlamLoop::carry_out(const SlamOrder& order) noexcept {
       pipeline_.slam().set_frozen(core::Frozen::No);
       break;
     case SlamOrder::Kind::DropRivals:
-      pipeline_.slam().drop_rivals();
+      begin_from_home_map();
       break;
   }
   post_map();
   post_status();
   orders_.done({check, pipeline_.slam().revision(), status_.scans});
+}
+
+/// Goes on with what a recording holds of the maps, as its replay will.
+void SlamLoop::begin_from_home_map() noexcept {
+  core::Slam& slam = pipeline_.slam();
+  if (slam.atlas() == nullptr) {
+    slam.drop_rivals();
+    return;
+  }
+  // Not all that a map is restored from can be copied from the restored one again: the second time it is the
+  // same.
+  for (int time = 0; time < 2; ++time) {
+    MapSnapshot& map = outlets_.map.draft();
+    map.take(slam);
+    slam.reset();
+    if (!map.empty()) {
+      static_cast<void>(slam.restore(map.state()));
+    }
+  }
 }
 
 void SlamLoop::take(const ScanItem& message, const SlamClock& clock) noexcept {

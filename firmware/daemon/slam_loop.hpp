@@ -73,6 +73,7 @@ class SlamLoop {
 
  private:
   void carry_out(const SlamOrder& order) noexcept;
+  void begin_from_home_map() noexcept;
   void take(const ScanItem& message, const SlamClock& clock) noexcept;
   void localise(const QueuedEnd& end, const SlamClock& clock) noexcept;
   void give_up(const ScanAborted& scan, const SlamClock& clock) noexcept;

@@ -15,7 +15,7 @@ struct SlamOrder {
     Restore,  ///< go on from `state`
     Freeze,
     Unfreeze,
-    DropRivals,  ///< go on with the best hypothesis alone, as after a Restore
+    DropRivals,  ///< go on with the home map alone, as after a Restore of it
   };
   Kind kind = Kind::Reset;
   core::MapState state;  ///< what it points to stays until the order is answered

@@ -155,6 +155,39 @@ TEST_F(SlamLoopTest, ScansElsewhereAreALocalMapThatTheStatusCounts) {
   EXPECT_NEAR(second->fix.pose_W.x_m, 2.0, 0.2);
 }
 
+// What a recording begins with: its replay has the map that was posted and nothing else.
+TEST_F(SlamLoopTest, AfterRivalsWereDroppedItGoesOnAsOneThatHasTheMapAlone) {
+  for (const double x_m : {0.0, 1.0, 2.0, 1.5, 0.5}) {
+    ASSERT_TRUE(scan_at(x_m));
+  }
+  ASSERT_TRUE(scan_at(0.0, Place::Mirrored));
+  ASSERT_TRUE(orders.give({SlamOrder::Kind::DropRivals, {}}));
+  run();
+  const auto answer = orders.answer();
+  ASSERT_TRUE(answer);
+  EXPECT_TRUE(answer->check.ok());
+  EXPECT_EQ(revision(), answer->revision);
+  ASSERT_TRUE(outlets.status.refresh());
+  EXPECT_EQ(outlets.status.value().local_maps, 0U);
+  Pipeline replayed(config.core);
+  ASSERT_TRUE(replayed.slam().restore(outlets.map.value().state()).ok());
+  for (const double x_m : {2.0, 0.0, 1.0, 3.0}) {
+    const auto message = scan_at(x_m);
+    ASSERT_TRUE(message);
+    for (int line = 0; line < 3; ++line) {
+      replayed.slam().add_scanline(sweep_from(x_m, Place::Posts));
+    }
+    const core::Fix fix = replayed.slam().finish_scan({}, {});
+    EXPECT_NEAR(message->fix.pose_W.x_m, x_m, 0.2);
+    EXPECT_EQ(fix.status, message->fix.status) << x_m;
+    EXPECT_EQ(fix.pose_W.x_m, message->fix.pose_W.x_m) << x_m;
+    EXPECT_EQ(fix.covariance, message->fix.covariance) << x_m;
+    EXPECT_EQ(fix.scan, message->fix.scan);
+    EXPECT_EQ(fix.map, message->fix.map);
+    EXPECT_EQ(fix.jumps, message->fix.jumps);
+  }
+}
+
 TEST_F(SlamLoopTest, AMoveOfTheCarrierAndTimingInDoubtTakeTheFixBack) {
   ASSERT_TRUE(scan_at(0.0));
   queue.push(ScanAborted{1, ScanAbort::CarrierMoved}, kNow);
