@@ -104,8 +104,8 @@ void LandmarkIndex::move(std::uint32_t slot, const Point2& p) noexcept {
     place.x_m = x;
     place.y_m = y;
   }
-  const double dx = x - links_[slot].x_m;
-  const double dy = y - links_[slot].y_m;
+  const auto dx = static_cast<double>(x - links_[slot].x_m);
+  const auto dy = static_cast<double>(y - links_[slot].y_m);
   if (dx * dx + dy * dy > relink_move_m_ * relink_move_m_) {
     unlink_from_others(slot);
     unlist_triangles(slot);
