@@ -108,14 +108,13 @@ TEST(GroupStep, OfAMapThatIsNotThereDoesNothing) {
   EXPECT_EQ(loop.mirror.cost(), before);
 }
 
-// A scanner measures the near face of a trunk: its centre lies deeper.
-TEST(GroupStep, FindsHowMuchFartherLandmarksLie) {
+TEST(GroupStep, FindsNoOffsetWhereThereIsNone) {
   Loop loop(0.0, 7, 0.02);
   EXPECT_EQ(loop.mirror.graph->offset_m(), 0.0);
   for (int step = 0; step < 6; ++step) {
     loop.mirror.graph->group_step(0, 0.02);
   }
-  EXPECT_EQ(loop.mirror.graph->offset_m(), 0.0) << "there is none";
+  EXPECT_EQ(loop.mirror.graph->offset_m(), 0.0);
 }
 
 }  // namespace
