@@ -14,6 +14,7 @@ constexpr int kMapRepeatPeriods = 6;
 
 void PublishLoop::publish_fix(const FixMessage& message) {
   told_ = status_.report.fix.status;
+  is_pose_told_ = core::has_pose(status_.report.fix);
   if (lcm_) {
     lcm_->publish(status_.report);
     lcm_->publish(ScanView{identity_.initialization, message.fix.scan, message.fix.time, message.seen()});
@@ -22,10 +23,12 @@ void PublishLoop::publish_fix(const FixMessage& message) {
 
 /// A fix that is withdrawn between two scans (stale, a device lost) is told at once.
 void PublishLoop::publish_state_change() {
-  if (lcm_ && status_.report.fix.status != told_) {
+  const core::Fix& fix = status_.report.fix;
+  if (lcm_ && (fix.status != told_ || core::has_pose(fix) != is_pose_told_)) {
     lcm_->publish(status_.report);
   }
-  told_ = status_.report.fix.status;
+  told_ = fix.status;
+  is_pose_told_ = core::has_pose(fix);
 }
 
 void PublishLoop::publish_status(const OutputTime& now) {
