@@ -1,7 +1,8 @@
 """Compares what slamsensor wrote with the truth. Python standard library only.
 
 A fix is wrong when it lies beyond 1 m or 2 degrees of the truth, grossly wrong beyond 5 m. The map of a drive is
-aligned with the truth by the pose of the first fix. Fixes of local maps (column `map` not 0) are only counted.
+aligned with the truth by the pose of the first fix. Fixes of local maps (`map` is not `home`) are only counted;
+each home map is aligned by its own first fix.
 Columns are found by their names; a column that is absent leaves its figure out.
 """
 
@@ -139,12 +140,12 @@ def normalised_error(row, error):
 
 
 def is_home(row):
-    return row.get("map") in (None, "", "0")
+    return row.get("map") in (None, "", row.get("home", "0"))
 
 
 def judge_drive(fixes_csv, truth):
     """The verdict on the fixes of one replay."""
-    verdict, to_map, pairs = Verdict(), None, []
+    verdict, to_map, pairs = Verdict(), {}, {}
     for row in read_rows(fixes_csv):
         verdict.scans += 1
         verdict.count_time(row)
@@ -159,10 +160,12 @@ def judge_drive(fixes_csv, truth):
         elif true_pose is None:
             verdict.no_truth += 1
         else:
-            to_map = to_map or alignment(true_pose, pose_of(row))
-            judge_fix(verdict, row, to_map(true_pose))
-            pairs.append((pose_of(row), true_pose))
-    verdict.judge_best_alignment(pairs)
+            home = row.get("home")
+            to_home = to_map.setdefault(home, alignment(true_pose, pose_of(row)))
+            judge_fix(verdict, row, to_home(true_pose))
+            pairs.setdefault(home, []).append((pose_of(row), true_pose))
+    for of_home in pairs.values():
+        verdict.judge_best_alignment(of_home)
     verdict.last_times_ms = verdict.times_ms[-max(1, len(verdict.times_ms) // 10):]
     return verdict
 

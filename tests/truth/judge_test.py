@@ -60,6 +60,17 @@ class Judge(unittest.TestCase):
         verdict = self.judged(rows, HEADS + ",map")
         self.assertEqual((verdict.fixes, verdict.right, verdict.wrong, verdict.local), (3, 2, 0, 1))
 
+    def test_the_home_map_has_its_number(self):
+        rows = [self.row(0, tail=",3,3"), self.row(1, dx_m=50.0, tail=",4,3"), self.row(2, dx_m=2.0, tail=",3,3")]
+        verdict = self.judged(rows, HEADS + ",map,home")
+        self.assertEqual((verdict.fixes, verdict.right, verdict.wrong, verdict.local), (3, 1, 1, 1))
+
+    def test_each_home_map_is_aligned_by_itself(self):
+        rows = [self.row(0, tail=",1,1"), self.row(1, dx_m=50.0, tail=",2,2"), self.row(2, dx_m=50.0, tail=",2,2"),
+                self.row(2, dx_m=2.0, tail=",1,1")]
+        verdict = self.judged(rows, HEADS + ",map,home")
+        self.assertEqual((verdict.fixes, verdict.right, verdict.wrong, verdict.local), (4, 3, 1, 0))
+
     def test_statuses_are_counted(self):
         silent = ",,,,,,,,,,1"
         verdict = self.judged(["0,no_fix" + silent, "1,ambiguous" + silent, self.row(2)])
