@@ -130,6 +130,8 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
     return refuse(verdict, FixStatus::NoFix, FixReason::TooFewLandmarks);
   }
   const bool asks_for_copies = stake == Stake::Fix || stake == Stake::Again || stake == Stake::Tie;
+  const bool asks_for_rivals =
+      asks_for_copies || (stake == Stake::Local && structure_decades >= kUnlikeStructure);
   const bool is_unlike_others =
       best.evidence.group_decades >= (stake == Stake::Tie ? kTieDecades : kUnlikeDecades) &&
       contradictions <= kUnlikeContradiction && structure_decades <= kUnlikeStructure &&
@@ -143,7 +145,7 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   }
   const double rival_decades = std::max(kRivalDecades, kRivalShare * -chance);
   for (const Weighed& other : weighed) {
-    if (asks_for_copies && !is_seen_again && is_rival(other) &&
+    if (asks_for_rivals && !is_seen_again && is_rival(other) &&
         decades_of(other.evidence.ln_bayes) >= rival_decades &&
         other.evidence.contradiction_decades() < contradictions + kRivalMargin) {
       return refuse(verdict, FixStatus::Ambiguous, FixReason::Symmetric);

@@ -267,7 +267,14 @@ void SightingGraph::refit(std::uint32_t place_of) noexcept {
       moved = RigidMotion::from_direction(mean_B, mean_W, dot, turned).pose();
     }
   }
-  for (std::uint32_t i = 0; i < count; ++i) {
+  move_pose(pose, moved, std::span(points_B).first(count), std::span(rest_W).first(count),
+            std::span(weights).first(count));
+}
+
+/// The pose and its sightings at another place; the robust weights follow, against what the others say.
+void SightingGraph::move_pose(GraphPose& pose, const Pose2& moved, std::span<const Point2> points_B,
+                              std::span<const Point2> rest_W, std::span<const double> weights) noexcept {
+  for (std::uint32_t i = 0; i < weights.size(); ++i) {
     GraphSighting& s = sightings_[(pose.first + i) % sightings_.capacity()];
     if (s.landmark == kNone) {
       continue;

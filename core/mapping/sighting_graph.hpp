@@ -169,6 +169,8 @@ class SightingGraph {
   void unchain(std::uint32_t sighting) noexcept;
   void add_to_sum(const GraphSighting& sighting, const Pose2& T_W_B, double sign) noexcept;
   void place(std::uint32_t slot) noexcept;
+  void move_pose(GraphPose& pose, const Pose2& moved, std::span<const Point2> points_B,
+                 std::span<const Point2> rest_W, std::span<const double> weights) noexcept;
   void fold_oldest() noexcept;
   void sum_anew() noexcept;
   [[nodiscard]] std::uint32_t make_groups(MapSlot map) noexcept;

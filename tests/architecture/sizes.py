@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Files of at most 300 lines, functions of at most 60: sizes.py ROOT. A function is counted from the line of its
+"""Files of at most 600 lines, functions of at most 60: sizes.py ROOT. A function is counted from the line of its
 opening brace to the line of its closing one; lambdas count in the function that holds them."""
 import pathlib
 import re
@@ -8,7 +8,7 @@ import sys
 
 import house
 
-FILE_LINES_MAX = 300
+FILE_LINES_MAX = 600
 FUNCTION_LINES_MAX = 60
 MEDIAN_LINES_MAX = 10
 

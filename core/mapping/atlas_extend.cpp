@@ -1,0 +1,246 @@
+// How a scan that is believed in a map changes it.
+#include "core/graph/lattice.hpp"
+#include "core/mapping/atlas.hpp"
+#include "core/mapping/atlas_limits.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace slamsensor::core {
+
+/// Brings the scan into the map that it is believed in.
+void Atlas::extend(const Weighed& w) noexcept {
+  const MapSlot map = w.candidate.map;
+  MapEntry& entry = maps_[map];
+  entry.last_scan = scan_.number;  // from here on it is no map that could make room for others
+  learn_from(w);
+  rates_.see_runner_up(runner_up_decades(weighed_.span(), static_cast<std::size_t>(&w - weighed_.begin()),
+                                         config_.acceptance));
+  std::array<std::uint32_t, 3> parents;
+  const std::uint32_t xi = update_matched(w, parents);
+  look_for_missing(w);
+  const double twin_m = kTwinSigmas * std::max(w.evidence.sigma_m, scale_.start_sigma_m() * 0.5);
+  bool is_saturated = true;
+  seen_.clear();
+  std::size_t m = 0;
+  for (std::uint32_t i = 0; i < points_B_.size(); ++i) {
+    if (m < w.candidate.matches.size() && w.candidate.matches[m].scan == i) {
+      const std::uint32_t slot = w.candidate.matches[m++].map;
+      if (graph_.is_used(slot)) {
+        is_saturated = is_saturated && graph_.standing(slot).sightings > kSaturated;
+        SLAMSENSOR_ASSERT(seen_.try_push_back({slot, points_L_[i]}));
+      }
+      continue;
+    }
+    const Point2 p_W = w.candidate.pose_W * points_B_[i];
+    double d2 = 0.0;
+    if (graph_.index().nearest_within(map, p_W, twin_m, d2) != LandmarkIndex::kNone) {
+      continue;  // it may be one that is there: neither new nor matched
+    }
+    make_room(1);
+    const std::uint32_t slot = graph_.add_landmark(map, p_W, scan_.number, xi);
+    if (slot == SightingGraph::kNone) {
+      ++landmarks_evicted_;
+      continue;
+    }
+    graph_.landmark(slot).parents = parents;
+    ++entry.landmarks;
+    is_saturated = false;
+    SLAMSENSOR_ASSERT(seen_.try_push_back({slot, points_L_[i]}));
+  }
+  look_around(map, w.candidate.pose_W);
+  entry.W += w.candidate.matches.size();
+  ++entry.scans;
+  entry.last_pose = w.candidate.pose_W;
+  if (!is_saturated) {
+    GraphPose pose;
+    pose.T_W_B = w.candidate.pose_W;
+    pose.scan = scan_.number;
+    pose.xi = xi;
+    pose.map = map;
+    pose.group =
+        entry.last_place == SightingGraph::kNone ? std::uint16_t{0} : graph_.pose(entry.last_place).group;
+    graph_.set_robust_scale(
+        std::max(config_.association.tolerance_m, 3.0 * rates_.sigma_m(scale_.start_sigma_m())));
+    entry.last_place = graph_.add_pose(pose, seen_.span());
+    graph_.refit(entry.last_place);
+    graph_.refit_around(entry.last_place, kRefitAround);
+    graph_.refit_in_turn(kRefitInTurn);
+    step_groups(w, map);
+    entry.last_pose = graph_.pose(entry.last_place).T_W_B;
+  }
+  ++revision_;
+}
+
+/// Group steps come after so many scans that each scan pays the same share of them, and at once when a scan
+/// closes a loop: when it shows again what was not seen for long.
+void Atlas::step_groups(const Weighed& w, MapSlot map) noexcept {
+  const auto old =
+      std::count_if(w.candidate.matches.begin(), w.candidate.matches.end(), [&](const Match& match) {
+        return graph_.is_used(match.map) && scan_.number - closed_scan_ > kLoopScans &&
+               graph_.landmark(match.map).first_scan + kLoopScans < scan_.number && was_unseen_[match.scan];
+      });
+  if (old >= 3) {
+    closed_scan_ = scan_.number;
+    group_steps_due_ = kStepsAfterLoop;
+  }
+  ++scans_since_step_;
+  const auto share = static_cast<std::uint32_t>(graph_.sightings_kept() / kSightingsPerScan);
+  if (group_steps_due_ > 0 || scans_since_step_ >= std::max(kGroupStepScans, share)) {
+    group_steps_due_ -= group_steps_due_ > 0 ? 1 : 0;
+    scans_since_step_ = 0;
+    graph_.group_step(map, rates_.sigma_m(scale_.start_sigma_m()));
+    rates_.offset_m = graph_.offset_m();
+  }
+}
+
+/// Algorithm 1: the scan's error is one more than the largest of its triangle; a matched landmark whose error
+/// is not smaller takes the scan's.
+std::uint32_t Atlas::update_matched(const Weighed& w, std::array<std::uint32_t, 3>& parents) noexcept {
+  std::uint32_t xi = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const GraphLandmark& corner = graph_.landmark(w.candidate.triangle[i]);
+    parents[i] = corner.id;
+    xi = std::max(xi, corner.xi);
+  }
+  ++xi;
+  MapEntry& entry = maps_[w.candidate.map];
+  for (const Match& match : w.candidate.matches) {
+    GraphLandmark& l = graph_.landmark(match.map);
+    Standing& standing = graph_.standing(match.map);
+    standing.sightings += standing.sightings < UINT32_MAX / 2 ? 1 : 0;
+    standing.chances += standing.chances < UINT32_MAX / 2 ? 1 : 0;
+    entry.confirmed += standing.sightings == 2 ? 1 : 0;
+    l.misses = 0;
+    was_unseen_[match.scan] = l.last_scan + kLoopScans < scan_.number;
+    l.last_scan = scan_.number;
+    if (l.xi >= xi) {
+      l.xi = xi;
+      l.parents = parents;
+    }
+  }
+  return xi;
+}
+
+/// Two scans from one spot say little of what a scan from another spot will show, so only those are learned
+/// from that lie apart.
+void Atlas::learn_from(const Weighed& w) noexcept {
+  const double apart_m = (w.candidate.pose_W.translation() - learned_at_.translation()).norm();
+  learns_ = learned_in_ != w.candidate.map || apart_m > kLearnApart * scan_.reach_m;
+  if (!learns_) {
+    return;
+  }
+  learned_in_ = w.candidate.map;
+  learned_at_ = w.candidate.pose_W;
+  double scaled2 = 0.0;
+  for (const Match& match : w.candidate.matches) {
+    const Point2 seen_W = w.candidate.pose_W * points_B_[match.scan];
+    scaled2 += (seen_W - graph_.positions()[match.map]).squaredNorm() /
+               (1.0 + 1.0 / static_cast<double>(graph_.standing()[match.map].sightings));
+  }
+  rates_.spread_m2 += scaled2;
+  rates_.spread_count += std::max(0.0, 2.0 * static_cast<double>(w.candidate.matches.size()) - 3.0);
+  rates_.clutter += w.evidence.unmatched;
+  rates_.clutter_count += w.evidence.explored;
+  for (const Point2& p : points_L_) {
+    rates_.bearings[Rates::bearing_bin(std::atan2(p.y(), p.x()))] += 1.0F;
+  }
+  if (rates_.spread_count > kRatesMemory) {
+    rates_.spread_m2 *= 0.5;
+    rates_.spread_count *= 0.5;
+  }
+  if (rates_.clutter_count > kRatesMemory) {
+    rates_.clutter *= 0.5;
+    rates_.clutter_count *= 0.5;
+  }
+}
+
+/// Whether a landmark that was in view again and again is not there, or not worth keeping. What was seen once
+/// is held to what confirmed landmarks show; a confirmed one to its own record.
+bool Atlas::is_contradicted(const GraphLandmark& landmark, const Standing& standing,
+                            double range_m) const noexcept {
+  if (standing.sightings < 2) {
+    return landmark.misses * std::log1p(-rates_.detection(range_m)) < std::log(kNeverThere);
+  }
+  const double share = config_.mapping.prune_share > 0.0 ? config_.mapping.prune_share : kSeldom;
+  return (standing.chances >= kSeldomChances && standing.sightings < share * standing.chances) ||
+         landmark.misses * std::log1p(-chance_to_be_shown(rates_, standing, range_m)) <
+             std::log(kContradicted);
+}
+
+/// Landmarks in view that the scan does not show lose standing; those that should have been seen again and
+/// again go.
+void Atlas::look_for_missing(const Weighed& w) noexcept {
+  std::array<std::uint32_t, 64> gone{};
+  std::size_t gone_count = 0;
+  const Pose2 T_L_W = T_L_B_ * w.candidate.pose_W.inverse();
+  const bool is_known = !scan_.view->free_m.empty() || scan_.view->field_of_view_rad > 0.0;
+  graph_.index().visit_within(
+      w.candidate.map, w.candidate.pose_W.translation(), scan_.reach_m + 2.0,
+      [&](std::uint32_t slot, double) {
+        const Point2 p_L = T_L_W * graph_.positions()[slot];
+        const double range_m = p_L.norm();
+        const bool is_matched = std::any_of(w.candidate.matches.begin(), w.candidate.matches.end(),
+                                            [&](const Match& match) { return match.map == slot; });
+        if (!is_matched &&
+            (range_m > scan_.reach_m || !scan_.view->shows(p_L, 0.3) ||
+             (!is_known && !(rates_.bearings[Rates::bearing_bin(std::atan2(p_L.y(), p_L.x()))] > 0.0F)))) {
+          return;
+        }
+        const std::size_t bin = Rates::range_bin(range_m);
+        Standing& standing = graph_.standing(slot);
+        if (!learns_) {
+          // no news of how scans show landmarks
+        } else if (standing.sightings < 2 ||
+                   (is_matched && standing.sightings == 2)) {  // until now seen once: it may be nothing
+          rates_.second_count += 1.0;
+          rates_.second += is_matched ? 1.0 : 0.0;
+        } else {
+          rates_.in_view[bin] += 1.0F;
+          rates_.shown[bin] += is_matched ? 1.0F : 0.0F;
+          if (rates_.in_view[bin] > static_cast<float>(kRatesMemory)) {
+            rates_.in_view[bin] *= 0.5F;
+            rates_.shown[bin] *= 0.5F;
+          }
+        }
+        if (is_matched) {
+          return;
+        }
+        standing.chances += standing.chances < UINT32_MAX / 2 ? 1 : 0;
+        GraphLandmark& l = graph_.landmark(slot);
+        l.misses = static_cast<std::uint16_t>(l.misses + (l.misses < UINT16_MAX ? 1 : 0));
+        if (is_contradicted(l, standing, range_m) && gone_count < gone.size()) {
+          gone[gone_count++] = slot;
+        }
+      });
+  for (std::size_t i = 0; i < gone_count; ++i) {
+    const GraphLandmark& l = graph_.landmark(gone[i]);
+    if (l.brought_by != SightingGraph::kNone && graph_.standing(gone[i]).sightings == 1) {
+      ++graph_.pose(l.brought_by).gone;
+    }
+    remove_landmark(gone[i]);
+  }
+}
+
+void Atlas::look_around(MapSlot map, const Pose2& T_W_B) noexcept {
+  const double reach_m = std::min(scan_.reach_m, kLookReach_m);
+  const Pose2 T_L_W = T_L_B_ * T_W_B.inverse();
+  const bool is_known = !scan_.view->free_m.empty() || scan_.view->field_of_view_rad > 0.0;
+  const double cell = ExploredGround::kCell_m;
+  const auto first = [&](double v) { return (std::floor((v - reach_m) / cell) + 0.5) * cell; };
+  for (double y = first(T_W_B.y_m); y <= T_W_B.y_m + reach_m; y += cell) {
+    for (double x = first(T_W_B.x_m); x <= T_W_B.x_m + reach_m; x += cell) {
+      const Point2 p_L = T_L_W * Point2(x, y);
+      const double range_m = p_L.norm();
+      if (range_m <= reach_m && scan_.view->shows(p_L, 0.3) &&
+          (is_known || rates_.bearings[Rates::bearing_bin(std::atan2(p_L.y(), p_L.x()))] > 0.0F)) {
+        ground_.look(map, {x, y}, rates_.detection(range_m));
+      }
+    }
+  }
+}
+
+}  // namespace slamsensor::core

@@ -1,0 +1,153 @@
+// Maps that come from outside and go there: files, surveys.
+#include "core/graph/lattice.hpp"
+#include "core/mapping/atlas.hpp"
+#include "core/mapping/atlas_limits.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace slamsensor::core {
+
+bool Atlas::take_survey(std::span<const Point2> landmarks_W) noexcept {
+  constexpr std::uint32_t kSurveyed = 10;  // sightings that a surveyed place counts as
+  reset();
+  if (landmarks_W.size() > config_.capacities.map_landmarks) {
+    return false;
+  }
+  home_ = 0;
+  maps_[0].number = ++maps_made_;
+  maps_[0].scans = 2;
+  for (const Point2& p_W : landmarks_W) {
+    const std::uint32_t slot = graph_.add_landmark(0, p_W, 0, 0);
+    SLAMSENSOR_ASSERT(slot != SightingGraph::kNone);
+    graph_.standing(slot) = {kSurveyed, kSurveyed};
+    graph_.set_prior(slot, kSurveyed);
+    ++maps_[0].landmarks;
+    ++maps_[0].confirmed;
+    for (const double dy :
+         {-kSurveyedAbout_m, 0.0, kSurveyedAbout_m}) {  // a survey leaves out nothing beside a landmark
+      for (const double dx : {-kSurveyedAbout_m, 0.0, kSurveyedAbout_m}) {
+        ground_.look(0, p_W + Point2(dx, dy), 0.9);
+      }
+    }
+  }
+  is_surveyed_ = true;
+  probe_structure();
+  return true;
+}
+
+/// Learns how far a map repeats itself, from samples of its own places.
+void Atlas::probe_structure() noexcept {
+  constexpr std::uint32_t kProbes = 64;
+  constexpr double kProbeReach_m = 20.0;
+  const std::uint32_t step = std::max(1U, graph_.slots() / kProbes);
+  for (std::uint32_t slot = 0; slot < graph_.slots(); slot += step) {
+    const Point2 middle = graph_.positions()[slot];
+    points_B_.clear();
+    points_L_.clear();
+    graph_.index().visit_within(home_, middle, kProbeReach_m, [&](std::uint32_t other, double) {
+      if (points_B_.size() < kProbeLandmarks) {
+        SLAMSENSOR_ASSERT(points_B_.try_push_back(graph_.positions()[other] - middle));
+      }
+    });
+    ScanView view;
+    scan_.view = &view;
+    scan_.reach_m = kProbeReach_m;
+    // By the fast search in any case: the paper's may take minutes for this.
+    fast_.search(points_B_.span(), graph_.index(), graph_.positions(), kNoMap, scan_model(), {}, found_[0]);
+    weigh(scan_witnesses(), found_[0], weighed_);
+    const std::size_t best = best_in(weighed_.span(), home_);
+    if (best != SIZE_MAX) {
+      rates_.see_runner_up(runner_up_decades(weighed_.span(), best, config_.acceptance));
+    }
+  }
+  scan_.view = nullptr;
+  weighed_.clear();
+}
+
+MapState Atlas::copy_home(const MapRoom& room) const noexcept {
+  MapState state;
+  state.scans = scans_;
+  state.next_id = graph_.next_id();
+  state.landmarks_evicted = landmarks_evicted_;
+  state.path_thinnings = graph_.poses_folded();
+  if (home_ == kNoMap) {
+    return state;
+  }
+  state.weight = maps_[home_].W;
+  std::size_t count = 0;
+  for (std::uint32_t slot = 0; slot < graph_.slots() && count < room.landmarks.size(); ++slot) {
+    if (!graph_.is_used(slot) || graph_.landmark(slot).map != home_) {
+      continue;
+    }
+    const GraphLandmark& l = graph_.landmark(slot);
+    const Standing& standing = graph_.standing()[slot];
+    room.landmarks[count] = {l.id,         l.xi,       l.parents, standing.sightings, standing.chances,
+                             l.first_scan, l.last_scan};
+    // Two numbers share the array until it is sorted: the slot stands where the place will.
+    room.positions_W[count] = {static_cast<double>(l.id), static_cast<double>(slot)};
+    ++count;
+  }
+  const std::span<MapLandmark> landmarks = room.landmarks.first(count);
+  const std::span<Point2> positions = room.positions_W.first(count);
+  std::sort(landmarks.begin(), landmarks.end(),
+            [](const MapLandmark& a, const MapLandmark& b) { return a.id < b.id; });
+  std::sort(positions.begin(), positions.end(),
+            [](const Point2& a, const Point2& b) { return a.x() < b.x(); });
+  for (Point2& p : positions) {
+    p = graph_.positions()[static_cast<std::size_t>(p.y())];
+  }
+  state.landmarks = landmarks;
+  state.positions_W = positions;
+  std::size_t poses = 0;
+  graph_.visit_poses([&](std::uint32_t, const GraphPose& pose) {
+    if (pose.map == home_ && poses < room.path.size() &&
+        (poses == 0 || pose.scan > room.path[poses - 1].scan)) {
+      room.path[poses++] = {pose.scan, pose.xi, pose.T_W_B};
+    }
+  });
+  state.path = room.path.first(poses);
+  return state;
+}
+
+MapCheck Atlas::restore(const MapState& state) noexcept {
+  const MapCheck check = check_map(state, config_.capacities);
+  if (!check.ok()) {
+    return check;
+  }
+  jumps_ += home_ != kNoMap ? 1 : 0;
+  const std::uint32_t jumps = jumps_;
+  reset();
+  jumps_ = jumps;
+  home_ = 0;
+  has_fixed_ = true;  // the frame is known from before
+  MapEntry& entry = maps_[0];
+  entry.number = ++maps_made_;
+  entry.scans = std::max(2U, static_cast<std::uint32_t>(state.path.size()));
+  entry.W = state.weight;
+  scans_ = state.scans;
+  for (std::size_t i = 0; i < state.landmarks.size(); ++i) {
+    const MapLandmark& from = state.landmarks[i];
+    graph_.set_next_id(from.id);
+    const std::uint32_t slot = graph_.add_landmark(0, state.positions_W[i], from.first_scan, from.xi);
+    SLAMSENSOR_ASSERT(slot != SightingGraph::kNone);
+    GraphLandmark& l = graph_.landmark(slot);
+    l.last_scan = from.last_scan;
+    l.parents = from.parents;
+    graph_.standing(slot) = {from.sightings, std::max(from.chances, from.sightings)};
+    graph_.set_prior(slot, from.sightings);
+    ++entry.landmarks;
+    entry.confirmed += from.sightings >= 2 ? 1 : 0;
+    // Where landmarks are, somebody looked.
+    ground_.look(0, state.positions_W[i], 0.9);
+  }
+  graph_.set_next_id(state.next_id);
+  landmarks_evicted_ = state.landmarks_evicted;
+  probe_structure();
+  return check;
+}
+
+}  // namespace slamsensor::core

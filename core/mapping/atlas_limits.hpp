@@ -1,0 +1,72 @@
+#pragma once
+
+#include "core/config.hpp"
+#include "core/decision/explored_ground.hpp"
+
+#include <cstddef>
+#include <cstdint>
+
+// Constants of the atlas, each beside its reason. They were chosen on the drives and worlds that
+// core/README.md names.
+namespace slamsensor::core {
+
+inline constexpr std::uint32_t kHomeAtOnce =
+    10;  // landmarks of a first scan that may found the home map by itself
+inline constexpr std::uint32_t kHomeConfirmed = 5;  // landmarks seen twice that make a local map the home map
+inline constexpr std::uint32_t kHomeIdleScans = 30;  // without a fix, after which a home map ...
+inline constexpr std::uint32_t kHomeSure =
+    30;  // ... of fewer confirmed landmarks than this gives way to a larger map
+inline constexpr std::uint32_t kMapLandmarksMin = 4;  // of a scan that starts a local map
+inline constexpr std::uint32_t kTieLandmarksMin =
+    6;                                         // confirmed landmarks of a local map before it may be tied
+inline constexpr std::uint32_t kAgainMin = 3;  // landmarks that two scans in a row show ...
+inline constexpr double kAgainShare =
+    0.4;  // ... and this share of all, so that the second shows the first again
+inline constexpr std::uint64_t kTieScans =
+    3;  // in a row that agree on where a local map lies before it is tied
+inline constexpr double kHomeShare =
+    0.5;  // of the decades of a local map, with which the home map is still believed
+inline constexpr double kScansTieDecades = 15.0;  // in all, of scans that agree on where their local map lies
+inline constexpr double kPlaceGroups = 3.0;       // decades of groups, and ...
+inline constexpr double kPlaceContradiction = 2.0;  // ... decades against, of a scan that counts for a place
+inline constexpr double kFirstTurn_rad =
+    0.25 * kDegree;                            // 1 sigma: the first fix in a home map is what users align by
+inline constexpr double kTieStructure = 7.0;   // a world that repeats itself less than this is tied at once
+inline constexpr std::size_t kWeighedMin = 6;  // candidates that are weighed, however far behind the leader
+inline constexpr double kWeighedNats = 15.0;  // others are weighed when they are not farther behind than this
+inline constexpr double kContradicted =
+    1e-3;  // a landmark goes when so many misses in a row are as unlikely as this
+inline constexpr double kNeverThere = 0.02;  // the same of one that was seen once
+inline constexpr double kSeldom = 0.12;      // a landmark shown by fewer of its chances than this goes ...
+inline constexpr std::uint32_t kSeldomChances = 15;  // ... after so many
+inline constexpr double kTwinSigmas = 4.5;           // nearer to a landmark than this, nothing new is put
+inline constexpr double kTwinGateSigmas =
+    3.0;  // nearer to each other than this, landmarks of tied maps are one
+inline constexpr std::uint32_t kSaturated =
+    60;  // sightings of each match after which a scan adds nothing to the graph
+inline constexpr double kLearnApart = 0.03;           // of the scan's reach
+inline constexpr double kRatesMemory = 4'000.0;       // observations after which old ones are forgotten
+inline constexpr std::uint32_t kRefitAround = 16;     // poses
+inline constexpr std::uint32_t kRefitInTurn = 6'000;  // sightings a scan
+inline constexpr double kUnknownOffset_m =
+    0.12;  // bias of a pose from near faces whose distance to the centres is not known yet
+inline constexpr double kUnknownOffset_rad = 0.4 * kDegree;
+inline constexpr double kMeanSigmaShare = 0.7;  // spread of a mean of two sightings or more, of a scan's
+inline constexpr std::uint32_t kProbeLandmarks =
+    40;  // of a place of the map that is held against the map itself
+inline constexpr double kSurveyedAbout_m = ExploredGround::kCell_m;
+inline constexpr std::uint32_t kLoopScans =
+    20;  // a landmark unseen for so long closes a loop when it is seen again
+inline constexpr std::uint32_t kStepsAfterLoop = 4;  // group steps, one a scan
+inline constexpr std::uint32_t kGroupStepScans = 3;  // a group step after so many scans ...
+inline constexpr std::uint64_t kSightingsPerScan =
+    3'000;  // ... or more, so that a scan's share of it is this many sightings
+// Calibrated on real drives against their references (tests/truth): about what is left of their errors.
+inline constexpr double kScanBias_m = 0.04;
+inline constexpr double kScanBias_rad = 0.15 * kDegree;
+inline constexpr double kFrameBias_rad = 0.06 * kDegree;
+inline constexpr double kDriftInflation =
+    1.5;  // of the drift's variance, for what sightings' errors have in common
+inline constexpr double kLookReach_m = 80.0;  // ground farther than this is not marked as explored
+
+}  // namespace slamsensor::core

@@ -1,0 +1,217 @@
+// Where a local map may lie, and how it becomes part of another map.
+#include "core/graph/lattice.hpp"
+#include "core/mapping/atlas.hpp"
+#include "core/mapping/atlas_limits.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace slamsensor::core {
+
+/// The scan of a local map that may also lie elsewhere says where the whole local map may lie.
+void Atlas::note_places(const Weighed& local) noexcept {
+  MapEntry& map = maps_[local.candidate.map];
+  for (const Weighed& other : weighed_) {
+    if (other.candidate.map == local.candidate.map || other.evidence.ln_bayes < std::log(100.0)) {
+      continue;
+    }
+    const Pose2 T = other.candidate.pose_W * local.candidate.pose_W.inverse();
+    auto* place = std::find_if(map.places.begin(), map.places.end(), [&](const PlaceHypothesis& p) {
+      return p.target == other.candidate.map && !elsewhere(p.T_target_map, T, config_.acceptance);
+    });
+    if (place == map.places.end()) {
+      if (map.places.size() == std::min<std::size_t>(config_.mapping.hypotheses_max, MapEntry::kPlacesMax)) {
+        map.places.truncate(map.places.size() - 1);  // the least W makes room
+      }
+      SLAMSENSOR_ASSERT(map.places.try_push_back({other.candidate.map, T, 0, 0, 0.0}));
+      place = &map.places.back();
+    }
+    place->W += other.candidate.matches.size();
+    if (other.evidence.group_decades >= kPlaceGroups &&
+        other.evidence.contradiction_decades() <= kPlaceContradiction) {
+      ++place->scans;
+      place->decades += other.evidence.ln_bayes / std::numbers::ln10;
+    }
+  }
+  std::sort(map.places.begin(), map.places.end(),
+            [](const PlaceHypothesis& a, const PlaceHypothesis& b) { return a.W > b.W; });
+}
+
+/// Holds the confirmed landmarks of a local map, as a whole, against all other maps.
+void Atlas::try_tie(MapSlot map, const Deadline& deadline) noexcept {
+  const MapEntry& entry = maps_[map];
+  if (map == home_ || tie_by_scans(map) || entry.confirmed < kTieLandmarksMin) {
+    return;
+  }
+  confirmed_.clear();
+  confirmed_slots_.clear();
+  const double reach_m = std::max(scan_.reach_m, 30.0);
+  graph_.index().visit_within(map, entry.last_pose.translation(), reach_m, [&](std::uint32_t slot, double) {
+    if (graph_.standing(slot).sightings >= 2 && confirmed_.try_push_back(graph_.positions()[slot])) {
+      SLAMSENSOR_ASSERT(confirmed_slots_.try_push_back(slot));
+    }
+  });
+  if (confirmed_.size() < kTieLandmarksMin) {
+    return;
+  }
+  // About the place where the map was last seen, so that distances from the frame's origin do not matter.
+  const Pose2 T_C_map{-entry.last_pose.x_m, -entry.last_pose.y_m, 0.0};
+  for (Point2& p : confirmed_) {
+    p = T_C_map * p;
+  }
+  MatchModel model;
+  model.sigma_m = rates_.sigma_m(scale_.start_sigma_m());
+  model.density_per_m2 = static_cast<double>(confirmed_.size()) / (std::numbers::pi * reach_m * reach_m);
+  find(confirmed_.span(), map, model, deadline);
+  Witnesses witnesses;
+  witnesses.points_B = confirmed_.span();
+  witnesses.own_map = map;
+  witnesses.sigma_share = kMeanSigmaShare;
+  witnesses.T_own_B = T_C_map.inverse();
+  weigh(witnesses, found_[0], weighed_ties_);
+  MapSlot target = home_;
+  if (target == kNoMap && !weighed_ties_.empty()) {
+    target = weighed_ties_[0].candidate.map;
+  }
+  if (target == kNoMap) {
+    return;
+  }
+  Verdict verdict = decide(weighed_ties_.span(), target, Stake::Tie, found_[0].end, rates_.structure_decades,
+                           config_.acceptance);
+  if (verdict.status != FixStatus::Fix && !weighed_ties_.empty() &&
+      weighed_ties_[0].candidate.map != target) {
+    verdict = decide(weighed_ties_.span(), weighed_ties_[0].candidate.map, Stake::Tie, found_[0].end,
+                     rates_.structure_decades, config_.acceptance);
+  }
+  if (verdict.status == FixStatus::Fix && found_[0].end != SearchEnd::Deadline) {
+    Weighed chosen = weighed_ties_[verdict.chosen];
+    chosen.candidate.pose_W = chosen.candidate.pose_W * T_C_map;
+    confirm_tie(map, chosen);
+  } else {
+    maps_[map].tie = PlaceHypothesis{};
+  }
+}
+
+/// Where the world does not repeat itself, scans that each say alone where their local map lies, and agree,
+/// tie it.
+bool Atlas::tie_by_scans(MapSlot map) noexcept {
+  const MapEntry& entry = maps_[map];
+  if (rates_.structure_decades >= kTieStructure || entry.places.empty() ||
+      entry.places[0].scans < kTieScans || entry.places[0].decades < kScansTieDecades ||
+      (entry.places.size() > 1 && 2 * entry.places[1].W > entry.places[0].W)) {
+    return false;
+  }
+  const PlaceHypothesis place = entry.places[0];
+  Weighed tied;
+  tied.candidate.map = place.target;
+  tied.candidate.pose_W = place.T_target_map;
+  confirmed_slots_.clear();
+  const double gate_m = 3.7 * rates_.sigma_m(scale_.start_sigma_m());
+  graph_.index().visit_within(
+      map, entry.last_pose.translation(), 2.0 * std::max(scan_.reach_m, 30.0),
+      [&](std::uint32_t slot, double) {
+        double d2 = 0.0;
+        const Point2 p = place.T_target_map * graph_.positions()[slot];
+        const std::uint32_t twin = graph_.index().nearest_within(place.target, p, gate_m, d2);
+        const bool is_taken = std::any_of(tied.candidate.matches.begin(), tied.candidate.matches.end(),
+                                          [&](const Match& match) { return match.map == twin; });
+        if (twin != LandmarkIndex::kNone && !is_taken && confirmed_slots_.try_push_back(slot) &&
+            !tied.candidate.matches.try_push_back(
+                {static_cast<std::uint32_t>(confirmed_slots_.size() - 1), twin})) {
+          confirmed_slots_.truncate(confirmed_slots_.size() - 1);
+        }
+      });
+  if (tied.candidate.matches.size() < 3) {
+    return false;
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    tied.candidate.triangle[i] = tied.candidate.matches[i].map;
+  }
+  tie(map, tied);
+  return true;
+}
+
+/// A tie binds many scans at once: it is made when several scans in a row agree on it.
+void Atlas::confirm_tie(MapSlot map, const Weighed& w) noexcept {
+  PlaceHypothesis& last = maps_[map].tie;
+  const bool is_same = last.W > 0 && last.target == w.candidate.map &&
+                       !elsewhere(last.T_target_map * maps_[map].last_pose,
+                                  w.candidate.pose_W * maps_[map].last_pose, config_.acceptance);
+  last = {w.candidate.map, w.candidate.pose_W, is_same ? last.W + 1 : 1, 0, 0.0};
+  if (last.W >= kTieScans || rates_.structure_decades < kTieStructure) {
+    tie(map, w);
+  }
+}
+
+/// Pairs of landmarks, of `map` and of the map that it is tied to, that are one: those that the tie matched,
+/// and what else stands at one place, as far as there is room.
+MatchList Atlas::twins_of(MapSlot map, const Weighed& w) const noexcept {
+  MatchList twins;
+  for (const Match& match : w.candidate.matches) {
+    SLAMSENSOR_ASSERT(twins.try_push_back({confirmed_slots_[match.scan], match.map}));
+  }
+  const double gate_m = kTwinGateSigmas * rates_.sigma_m(scale_.start_sigma_m());
+  for (std::uint32_t slot = 0; slot < graph_.slots(); ++slot) {
+    double d2 = 0.0;
+    if (!graph_.is_used(slot) || graph_.landmark(slot).map != map) {
+      continue;
+    }
+    const Point2 p = w.candidate.pose_W * graph_.positions()[slot];
+    const std::uint32_t twin = graph_.index().nearest_within(w.candidate.map, p, gate_m, d2);
+    const bool is_taken = std::any_of(
+        twins.begin(), twins.end(), [&](const Match& pair) { return pair.scan == slot || pair.map == twin; });
+    if (twin != LandmarkIndex::kNone && !is_taken && !twins.try_push_back({slot, twin})) {
+      break;
+    }
+  }
+  return twins;
+}
+
+void Atlas::tie(MapSlot map, const Weighed& w) noexcept {
+  const MapSlot to = w.candidate.map;
+  std::uint32_t xi = 0;
+  std::array<std::uint32_t, 3> parents{};  // of what was the origin
+  for (std::size_t i = 0; i < parents.size(); ++i) {
+    const GraphLandmark& corner = graph_.landmark(w.candidate.triangle[i]);
+    parents[i] = corner.id;
+    xi = std::max(xi, corner.xi);
+  }
+  for (std::uint32_t slot = 0; slot < graph_.slots(); ++slot) {
+    if (graph_.is_used(slot) && graph_.landmark(slot).map == map) {
+      GraphLandmark& l = graph_.landmark(slot);
+      l.parents = l.xi == 0 ? parents : l.parents;
+      l.xi += xi + 1;
+    }
+  }
+  const MatchList twins = twins_of(map, w);
+  MapEntry& from = maps_[map];
+  MapEntry& into = maps_[to];
+  graph_.visit_poses([&](std::uint32_t place, const GraphPose& pose) {
+    if (pose.map == map) {
+      graph_.pose(place).xi += xi + 1;
+      look_around(to, w.candidate.pose_W * pose.T_W_B);
+    }
+  });
+  graph_.merge(map, to, w.candidate.pose_W, twins.span());
+  into.landmarks = into.confirmed = 0;
+  for (std::uint32_t slot = 0; slot < graph_.slots(); ++slot) {
+    if (graph_.is_used(slot) && graph_.landmark(slot).map == to) {
+      ++into.landmarks;
+      into.confirmed += graph_.standing(slot).sightings >= 2 ? 1 : 0;
+    }
+  }
+  into.scans += from.scans;
+  into.W += from.W;
+  if (from.last_scan >= into.last_scan) {
+    into.last_scan = from.last_scan;
+    into.last_pose = w.candidate.pose_W * from.last_pose;
+    into.last_place = from.last_place;
+  }
+  drop_map(map);
+  ++revision_;
+}
+
+}  // namespace slamsensor::core
