@@ -52,6 +52,17 @@ double risk_of(Stake stake, const AcceptanceConfig& config) noexcept {
   return config.risk;
 }
 
+/// Whether `other` is another place than the answer.
+bool rivals(const Weighed& other, const Weighed& answer, Stake stake, double structure_decades,
+            const AcceptanceConfig& config) noexcept {
+  if (other.candidate.map != answer.candidate.map) {
+    // Another map may hold the same place. Where the world repeats itself that has to be shown first.
+    return stake == Stake::Fix && structure_decades >= kUnlikeStructure &&
+           other.candidate.matches.size() >= 3;
+  }
+  return elsewhere(other.candidate.pose_W, answer.candidate.pose_W, config);
+}
+
 Verdict refuse(Verdict verdict, FixStatus status, FixReason reason) noexcept {
   verdict.status = status;
   verdict.reason = reason;
@@ -104,12 +115,7 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   }
   const Weighed& best = weighed[verdict.chosen];
   const auto is_rival = [&](const Weighed& other) {
-    if (other.candidate.map != map) {
-      // Another map may hold the same place. Where the world repeats itself that has to be shown first.
-      return stake == Stake::Fix && structure_decades >= kUnlikeStructure &&
-             other.candidate.matches.size() >= 3;
-    }
-    return &other != &best && elsewhere(other.candidate.pose_W, best.candidate.pose_W, config);
+    return &other != &best && rivals(other, best, stake, structure_decades, config);
   };
   double others = 1.0;  // an unmapped place
   for (const Weighed& other : weighed) {

@@ -111,6 +111,7 @@ class Atlas {
   void describe(const Weighed& weighed, Fix& fix) const noexcept;
   void add_common_errors(MapSlot map, const MatchList& matches, Fix& fix) const noexcept;
   void extend(const Weighed& weighed) noexcept;
+  void refine_with(const Weighed& weighed, std::uint32_t xi) noexcept;
   void step_groups(const Weighed& weighed, MapSlot map) noexcept;
   void note_places(const Weighed& local) noexcept;
   void learn_from(const Weighed& weighed) noexcept;

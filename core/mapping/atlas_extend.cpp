@@ -56,23 +56,30 @@ void Atlas::extend(const Weighed& w) noexcept {
   ++entry.scans;
   entry.last_pose = w.candidate.pose_W;
   if (!is_saturated) {
-    GraphPose pose;
-    pose.T_W_B = w.candidate.pose_W;
-    pose.scan = scan_.number;
-    pose.xi = xi;
-    pose.map = map;
-    pose.group =
-        entry.last_place == SightingGraph::kNone ? std::uint16_t{0} : graph_.pose(entry.last_place).group;
-    graph_.set_robust_scale(
-        std::max(config_.association.tolerance_m, 3.0 * rates_.sigma_m(scale_.start_sigma_m())));
-    entry.last_place = graph_.add_pose(pose, seen_.span());
-    graph_.refit(entry.last_place);
-    graph_.refit_around(entry.last_place, kRefitAround);
-    graph_.refit_in_turn(kRefitInTurn);
-    step_groups(w, map);
-    entry.last_pose = graph_.pose(entry.last_place).T_W_B;
+    refine_with(w, xi);
   }
   ++revision_;
+}
+
+/// The scan's pose and sightings enter the graph; what they say moves the poses about it, and others in turn.
+void Atlas::refine_with(const Weighed& w, std::uint32_t xi) noexcept {
+  const MapSlot map = w.candidate.map;
+  MapEntry& entry = maps_[map];
+  GraphPose pose;
+  pose.T_W_B = w.candidate.pose_W;
+  pose.scan = scan_.number;
+  pose.xi = xi;
+  pose.map = map;
+  pose.group =
+      entry.last_place == SightingGraph::kNone ? std::uint16_t{0} : graph_.pose(entry.last_place).group;
+  graph_.set_robust_scale(
+      std::max(config_.association.tolerance_m, 3.0 * rates_.sigma_m(scale_.start_sigma_m())));
+  entry.last_place = graph_.add_pose(pose, seen_.span());
+  graph_.refit(entry.last_place);
+  graph_.refit_around(entry.last_place, kRefitAround);
+  graph_.refit_in_turn(kRefitInTurn);
+  step_groups(w, map);
+  entry.last_pose = graph_.pose(entry.last_place).T_W_B;
 }
 
 /// Group steps come after so many scans that each scan pays the same share of them, and at once when a scan

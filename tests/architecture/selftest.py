@@ -79,7 +79,7 @@ class Planted(unittest.TestCase):
                 self.expect(includes.check, "core/b.cpp", f"/* a\n */ void f() {{ {statement} }}\n", 2)
 
     def test_long_files(self):
-        self.expect(sizes.check, "tools/b.cpp", "\n" * 301)
+        self.expect(sizes.check, "tools/b.cpp", "\n" * 601)
         self.assertEqual(self.findings(sizes.check, files={"tools/b.cpp": "\n" * 300}), [])
 
     def test_long_functions(self):

@@ -67,7 +67,8 @@ TEST(Atlas, ARichFirstScanIsTheOrigin) {
   EXPECT_EQ(fix.home, 1U);
 }
 
-// Home was founded by one rich scan of a place that is never seen again: it gives way.
+// Home was founded by one rich scan of a place that is never seen again: it gives way, once the world has shown that it
+// does not repeat itself.
 TEST(Atlas, AHomeMapOfOneScanGivesWay) {
   Draw draw(4);
   const Forest gone = tests::make_forest(60, draw);
@@ -75,7 +76,7 @@ TEST(Atlas, AHomeMapOfOneScanGivesWay) {
   AtlasRig rig;
   EXPECT_EQ(rig.look(gone, {0, 0, 0}, draw).status, FixStatus::Fix);
   (void)rig.drive(forest, {-30, 0}, {30, 0}, draw);
-  EXPECT_GE(rig.fixes, 20);
+  EXPECT_GE(rig.fixes, 12);
   EXPECT_EQ(rig.atlas->home()->number, 2U);
 }
 
