@@ -148,7 +148,8 @@ void Atlas::weigh(const Witnesses& witnesses, const Candidates& found,
     if (i >= kWeighedMin && found.list[i].score < found.list[0].score - kWeighedNats) {
       break;
     }
-    SLAMSENSOR_ASSERT(weighed.try_push_back({found.list[i], {}}));
+    SLAMSENSOR_ASSERT(
+        weighed.try_push_back({found.list[i], {}, maps_[found.list[i].map].scans < kYoungScans}));
     weighed.back().evidence = scale_.weigh(witnesses, maps, weighed.back().candidate);
   }
 }
