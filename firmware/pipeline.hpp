@@ -26,8 +26,9 @@ class Pipeline {
   }
 
   /// Localises one scan from landmarks that were found elsewhere, heaviest first, and seen in `view`.
-  [[nodiscard]] core::Fix process_landmarks(std::span<const core::ScanLandmark> landmarks, const core::ScanView& view,
-                                            const core::ScanTime& time, const core::Deadline& deadline) {
+  [[nodiscard]] core::Fix process_landmarks(std::span<const core::ScanLandmark> landmarks,
+                                            const core::ScanView& view, const core::ScanTime& time,
+                                            const core::Deadline& deadline) {
     return slam_->process(landmarks, view, time, deadline);
   }
 

@@ -132,7 +132,9 @@ class LandmarkIndex {
   [[nodiscard]] static std::int64_t cell_floor(double v_m) noexcept {
     return static_cast<std::int64_t>(std::floor(v_m * (1.0 / kCellSide_m)));
   }
-  [[nodiscard]] static std::int64_t cell_floor(float v_m) noexcept { return cell_floor(static_cast<double>(v_m)); }
+  [[nodiscard]] static std::int64_t cell_floor(float v_m) noexcept {
+    return cell_floor(static_cast<double>(v_m));
+  }
   [[nodiscard]] static std::uint32_t bucket_at(std::uint32_t longest, std::uint32_t middle) noexcept {
     return longest * (longest + 1) / 2 + middle;
   }

@@ -30,8 +30,9 @@ struct LandmarkListConfig {
   LandmarkOrder order = LandmarkOrder::Weight;
   double weight_min = 0.0;  ///< lighter rows are left out
   double diameter_min_m = 0.0;
-  double field_of_view_rad = 0.0;  ///< of the sensor that saw them, centred on its forward axis; 0 = not known
-  double range_m = 0.0;            ///< up to which it sees landmarks; 0 = not known
+  double field_of_view_rad =
+      0.0;               ///< of the sensor that saw them, centred on its forward axis; 0 = not known
+  double range_m = 0.0;  ///< up to which it sees landmarks; 0 = not known
 
   /// What a scan of such a list has seen beside its landmarks.
   [[nodiscard]] core::ScanView view() const noexcept { return {{}, field_of_view_rad, range_m}; }

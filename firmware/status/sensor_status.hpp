@@ -90,7 +90,7 @@ struct SlamStatus {
   std::uint32_t hypotheses = 0;
   std::uint32_t local_maps = 0;       ///< not tied to the home map yet
   std::uint32_t local_landmarks = 0;  ///< in those
-  std::uint64_t map_revision = 0;  ///< grows whenever the best map changes
+  std::uint64_t map_revision = 0;     ///< grows whenever the best map changes
   bool frozen = false;
   hal::Stamp process_last{};  ///< time from the end of the scan to its fix
   hal::Stamp process_max{};

@@ -54,7 +54,8 @@ std::chrono::nanoseconds steady_now(void*) noexcept {
 }
 
 core::Deadline deadline_from(std::chrono::steady_clock::time_point begin, const firmware::Config& config) {
-  return {steady_now, nullptr, begin.time_since_epoch() + hal::from_seconds(config.daemon.realtime.slam_deadline_s)};
+  return {steady_now, nullptr,
+          begin.time_since_epoch() + hal::from_seconds(config.daemon.realtime.slam_deadline_s)};
 }
 
 std::string poses_csv(const std::vector<Query>& queries) {
@@ -129,7 +130,8 @@ CommandResult run(const Options& options) {
                  [](const MapPoint& p) { return p.position_W; });
   core::Config config = with_room_for(loaded->config.core, map_W.size());
   if (!options.search.empty()) {
-    config.association.search = options.search == "paper" ? core::SearchMethod::Paper : core::SearchMethod::Fast;
+    config.association.search =
+        options.search == "paper" ? core::SearchMethod::Paper : core::SearchMethod::Fast;
   }
   firmware::ArenaBlock<core::Localizer> localizer(config);
   if (!localizer->set_map(map_W)) {
@@ -150,8 +152,9 @@ CommandResult run(const Options& options) {
       break;
     }
     const auto begin = std::chrono::steady_clock::now();
-    const core::Fix fix = localizer->locate((*scan)->landmarks, loaded->config.landmark_list.view(),
-                                           options.no_deadline ? core::Deadline{} : deadline_from(begin, loaded->config));
+    const core::Fix fix =
+        localizer->locate((*scan)->landmarks, loaded->config.landmark_list.view(),
+                          options.no_deadline ? core::Deadline{} : deadline_from(begin, loaded->config));
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
     queries.push_back({(*scan)->number, fix, took.count()});
     bar.update(queries.size(), (*source)->count());
@@ -177,7 +180,8 @@ void add_locate(CLI::App& app, CommandResult& result) {
   verb->add_option("--out", options->out, "the poses, a line per scan")->required()->type_name("poses.csv");
   verb->add_option("--search", options->search, "how to search, instead of association.search")
       ->check(CLI::IsMember({"fast", "paper"}));
-  verb->add_flag("--no-deadline", options->no_deadline, "let no search be cut: the same input gives the same poses");
+  verb->add_flag("--no-deadline", options->no_deadline,
+                 "let no search be cut: the same input gives the same poses");
   verb->callback([options, &result] { result = run(*options); });
 }
 

@@ -28,7 +28,8 @@ std::vector<TimedPose> trajectory_of(std::span<const FixRow> rows) {
   // A frame that was given up for a better one cannot be compared with it.
   const std::uint32_t home = rows.empty() ? 0 : rows.back().fix.home;
   for (const FixRow& row : rows) {
-    if (row.fix.status == core::FixStatus::Fix && row.fix.home == home) poses.push_back({row.t_s, row.fix.pose_W});
+    if (row.fix.status == core::FixStatus::Fix && row.fix.home == home)
+      poses.push_back({row.t_s, row.fix.pose_W});
   }
   return poses;
 }

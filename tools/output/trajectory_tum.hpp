@@ -13,7 +13,8 @@
 
 namespace slamsensor::tools {
 
-/// The poses of the rows that are a fix in the home map of the last row, in their order; an ambiguous pose is none.
+/// The poses of the rows that are a fix in the home map of the last row, in their order; an ambiguous pose is
+/// none.
 [[nodiscard]] std::vector<TimedPose> trajectory_of(std::span<const FixRow> rows);
 
 /// The whole of a trajectory in the format of the TUM RGB-D benchmark: a line `t x y z qx qy qz qw` per pose,

@@ -131,8 +131,8 @@ Tally compare(MakeForest make, std::uint64_t seeds, const tests::ScanModel& mode
   return tally;
 }
 
-// With 150 seeds it has 1,799 of 1,800 of clear scans (the one that it lacks lies in rows and is wrong) and 1,783 of 1,800
-// of poor ones, of which a third is hidden and a quarter was never mapped.
+// With 150 seeds it has 1,799 of 1,800 of clear scans (the one that it lacks lies in rows and is wrong) and
+// 1,783 of 1,800 of poor ones, of which a third is hidden and a quarter was never mapped.
 TEST(FastSearch, KeepsWhatTheExhaustiveSearchRanksFirst) {
   const struct {
     const char* name;

@@ -67,8 +67,8 @@ TEST(Atlas, ARichFirstScanIsTheOrigin) {
   EXPECT_EQ(fix.home, 1U);
 }
 
-// Home was founded by one rich scan of a place that is never seen again: it gives way, once the world has shown that it
-// does not repeat itself.
+// Home was founded by one rich scan of a place that is never seen again: it gives way, once the world has
+// shown that it does not repeat itself.
 TEST(Atlas, AHomeMapOfOneScanGivesWay) {
   Draw draw(4);
   const Forest gone = tests::make_forest(60, draw);
