@@ -22,8 +22,6 @@ constexpr double kLocalContradiction = 4.0;  // decades against a scan in a loca
 constexpr double kAgainDecades = 1.0;        // two groups: a single one may be a copy
 constexpr double kUnlikeDecades = 2.0;       // three groups
 constexpr double kUnlikeContradiction = 5.0;
-constexpr double kRepeatingStructure =
-    8.5;  // of a world that was seen to repeat itself: above what is assumed at first
 constexpr double kUnlikeStructure = 7.0;  // of a world that hardly repeats itself
 constexpr double kUnlikeMargin = 6.0;     // decades above what wrong places of this world reach
 constexpr double kUnlikeTieMargin = 9.0;

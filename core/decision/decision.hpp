@@ -11,7 +11,6 @@ namespace slamsensor::core {
 struct Weighed {
   Candidate candidate;
   Evidence evidence;
-  bool is_young = false;  ///< its map was just started: most likely of the very place that is being looked at
 };
 
 /// What is to be thought of the candidates of a search in one map.

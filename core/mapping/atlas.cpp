@@ -148,8 +148,7 @@ void Atlas::weigh(const Witnesses& witnesses, const Candidates& found,
     if (i >= kWeighedMin && found.list[i].score < found.list[0].score - kWeighedNats) {
       break;
     }
-    SLAMSENSOR_ASSERT(
-        weighed.try_push_back({found.list[i], {}, maps_[found.list[i].map].scans < kYoungScans}));
+    SLAMSENSOR_ASSERT(weighed.try_push_back({found.list[i], {}}));
     weighed.back().evidence = scale_.weigh(witnesses, maps, weighed.back().candidate);
   }
 }

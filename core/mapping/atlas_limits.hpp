@@ -18,9 +18,8 @@ inline constexpr std::uint32_t kHomeSure =
     30;  // ... of fewer confirmed landmarks than this gives way to a larger map
 inline constexpr std::uint32_t kMapLandmarksMin = 4;  // of a scan that starts a local map
 inline constexpr std::uint32_t kTieLandmarksMin =
-    6;                                           // confirmed landmarks of a local map before it may be tied
-inline constexpr std::uint32_t kYoungScans = 3;  // of a local map before it counts as another place
-inline constexpr std::uint32_t kAgainMin = 3;    // landmarks that two scans in a row show ...
+    6;                                         // confirmed landmarks of a local map before it may be tied
+inline constexpr std::uint32_t kAgainMin = 3;  // landmarks that two scans in a row show ...
 inline constexpr double kAgainShare =
     0.4;  // ... and this share of all, so that the second shows the first again
 inline constexpr std::uint64_t kTieScans =
