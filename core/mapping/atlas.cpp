@@ -45,7 +45,8 @@ void Atlas::reset() noexcept {
   scans_ = 0;
   jumps_ = 0;
   maps_made_ = 0;
-  landmarks_evicted_ = 0;
+  landmarks_evicted_ = scans_taken_out_ = 0;
+  has_linked_ = false;
   closed_scan_ = group_steps_due_ = scans_since_step_ = 0;
   was_unseen_ = {};
   ++revision_;
@@ -218,6 +219,9 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
   bool is_held_back = false;  // the map grows, but its first fix has to be better than this one
   Verdict verdict;
   verdict.reason = fix.search_end == SearchEnd::Deadline ? FixReason::Deadline : FixReason::NoOverlap;
+  if (frozen_ == Frozen::No && !is_surveyed_ && !weighed_.empty() && close_loop(weighed_[0].candidate.map)) {
+    search(deadline, fix);
+  }
   if (home_ != kNoMap) {
     verdict = decide(weighed_.span(), home_, stake_of(home_), fix.search_end, rates_.structure_decades,
                      config_.acceptance);
@@ -265,6 +269,7 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
     fix.reason = FixReason::TooFewLandmarks;
   }
   has_fixed_ = has_fixed_ || fix.status == FixStatus::Fix;
+  unite_twins_in_turn();
   if (tie_of != kNoMap) {
     try_tie(tie_of, deadline);
   }
@@ -282,7 +287,7 @@ Stake Atlas::stake_of(MapSlot map) const noexcept {
   }
   const auto again = std::count_if(
       weighed_[best].candidate.matches.begin(), weighed_[best].candidate.matches.end(),
-      [&](const Match& match) { return graph_.landmark(match.map).last_scan + 1 == scan_.number; });
+      [&](const Match& match) { return graph_.landmark(match.map).last_scan + kAgainScans >= scan_.number; });
   const double wanted =
       std::max(static_cast<double>(kAgainMin), kAgainShare * static_cast<double>(points_B_.size()));
   return static_cast<double>(again) >= wanted ? Stake::Again : Stake::Fix;
@@ -352,6 +357,7 @@ void Atlas::start_map(Fix& fix) noexcept {
   GraphPose pose;
   pose.scan = scan_.number;
   pose.map = map;
+  pose.chain = entry.number;
   pose.is_anchor = 1;
   entry.last_place = graph_.add_pose(pose, seen_.span());
   look_around(map, Pose2{});

@@ -89,6 +89,8 @@ class Atlas {
   [[nodiscard]] const SightingGraph& graph() const noexcept { return graph_; }
   [[nodiscard]] const Rates& rates() const noexcept { return rates_; }
   [[nodiscard]] std::uint64_t landmarks_evicted() const noexcept { return landmarks_evicted_; }
+  /// Scans that were brought into a map and taken out again, because later scans contradict them.
+  [[nodiscard]] std::uint64_t scans_taken_out() const noexcept { return scans_taken_out_; }
   /// The places of the last search, the best first, for those who show them.
   [[nodiscard]] std::span<const Weighed> weighed() const noexcept { return weighed_.span(); }
 
@@ -131,6 +133,12 @@ class Atlas {
   void confirm_tie(MapSlot map, const Weighed& weighed) noexcept;
   [[nodiscard]] MatchList twins_of(MapSlot map, const Weighed& weighed) const noexcept;
   void tie(MapSlot map, const Weighed& weighed) noexcept;
+  [[nodiscard]] bool close_loop(MapSlot map) noexcept;
+  [[nodiscard]] bool is_layer(const Weighed& answer, const Weighed& other) noexcept;
+  void link_layers(const Candidate& answer, const Candidate& other) noexcept;
+  std::uint32_t unite(std::uint32_t a, std::uint32_t b) noexcept;
+  void unite_twins_in_turn() noexcept;
+  void count_landmarks(MapSlot map) noexcept;
   void probe_structure() noexcept;
   [[nodiscard]] Maps maps_view() const noexcept {
     return {graph_.index(), graph_.positions(), graph_.standing(), ground_, rates_};
@@ -167,10 +175,14 @@ class Atlas {
   std::uint32_t closed_scan_ = 0;  // that closed a loop last
   std::uint32_t group_steps_due_ = 0;
   std::uint32_t scans_since_step_ = 0;
+  std::uint32_t twin_turn_ = 0;
+  std::uint32_t linked_scan_ = 0;  // in which layers were linked last
+  bool has_linked_ = false;
   Counters counters_;
   Frozen frozen_ = Frozen::No;
   std::uint64_t revision_ = 0;
   std::uint64_t landmarks_evicted_ = 0;
+  std::uint64_t scans_taken_out_ = 0;
   std::uint32_t scans_ = 0;
   std::uint32_t jumps_ = 0;
   std::uint32_t maps_made_ = 0;

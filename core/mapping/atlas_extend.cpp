@@ -70,6 +70,7 @@ void Atlas::refine_with(const Weighed& w, std::uint32_t xi) noexcept {
   pose.scan = scan_.number;
   pose.xi = xi;
   pose.map = map;
+  pose.chain = entry.number;
   pose.group =
       entry.last_place == SightingGraph::kNone ? std::uint16_t{0} : graph_.pose(entry.last_place).group;
   graph_.set_robust_scale(
@@ -99,7 +100,8 @@ void Atlas::step_groups(const Weighed& w, MapSlot map) noexcept {
   if (group_steps_due_ > 0 || scans_since_step_ >= std::max(kGroupStepScans, share)) {
     group_steps_due_ -= group_steps_due_ > 0 ? 1 : 0;
     scans_since_step_ = 0;
-    graph_.group_step(map, rates_.sigma_m(scale_.start_sigma_m()));
+    const bool is_linking = has_linked_ && scan_.number - linked_scan_ <= kLinkingScans;
+    graph_.group_step(map, rates_.sigma_m(scale_.start_sigma_m()), is_linking ? kLoopStepGain : kStepGain);
     rates_.offset_m = graph_.offset_m();
   }
 }
@@ -224,11 +226,22 @@ void Atlas::look_for_missing(const Weighed& w) noexcept {
         }
       });
   for (std::size_t i = 0; i < gone_count; ++i) {
-    const GraphLandmark& l = graph_.landmark(gone[i]);
-    if (l.brought_by != SightingGraph::kNone && graph_.standing(gone[i]).sightings == 1) {
-      ++graph_.pose(l.brought_by).gone;
+    if (!graph_.is_used(gone[i])) {
+      continue;  // its scan was taken out
     }
+    const std::uint32_t bringer = graph_.landmark(gone[i]).brought_by;
+    const bool was_seen_once = graph_.standing(gone[i]).sightings == 1;
     remove_landmark(gone[i]);
+    if (bringer != SightingGraph::kNone && was_seen_once) {
+      GraphPose& pose = graph_.pose(bringer);
+      ++pose.gone;
+      if (pose.is_anchor == 0 && pose.count > 0 && pose.gone >= kTakenOutMin &&
+          pose.gone >= kTakenOutShare * pose.brought) {
+        graph_.remove_pose(bringer);
+        count_landmarks(w.candidate.map);
+        ++scans_taken_out_;
+      }
+    }
   }
 }
 

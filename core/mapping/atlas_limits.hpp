@@ -18,8 +18,9 @@ inline constexpr std::uint32_t kHomeSure =
     30;  // ... of fewer confirmed landmarks than this gives way to a larger map
 inline constexpr std::uint32_t kMapLandmarksMin = 4;  // of a scan that starts a local map
 inline constexpr std::uint32_t kTieLandmarksMin =
-    6;                                         // confirmed landmarks of a local map before it may be tied
-inline constexpr std::uint32_t kAgainMin = 3;  // landmarks that two scans in a row show ...
+    6;                                           // confirmed landmarks of a local map before it may be tied
+inline constexpr std::uint32_t kAgainScans = 3;  // back, in which ...
+inline constexpr std::uint32_t kAgainMin = 3;    // landmarks that two scans in a row show ...
 inline constexpr double kAgainShare =
     0.4;  // ... and this share of all, so that the second shows the first again
 inline constexpr std::uint64_t kTieScans =
@@ -39,6 +40,8 @@ inline constexpr double kContradicted =
 inline constexpr double kNeverThere = 0.02;  // the same of one that was seen once
 inline constexpr double kSeldom = 0.12;      // a landmark shown by fewer of its chances than this goes ...
 inline constexpr std::uint32_t kSeldomChances = 15;  // ... after so many
+inline constexpr std::uint32_t kTakenOutMin = 6;  // landmarks that a scan brought and later scans contradict, and ...
+inline constexpr double kTakenOutShare = 0.8;     // ... their share, with which the scan is taken out of the map again
 inline constexpr double kTwinSigmas = 4.5;           // nearer to a landmark than this, nothing new is put
 inline constexpr double kTwinGateSigmas =
     3.0;  // nearer to each other than this, landmarks of tied maps are one
@@ -57,6 +60,21 @@ inline constexpr std::uint32_t kProbeLandmarks =
 inline constexpr double kSurveyedAbout_m = ExploredGround::kCell_m;
 inline constexpr std::uint32_t kLoopScans =
     20;  // a landmark unseen for so long closes a loop when it is seen again
+inline constexpr double kLayerDecades = 4.0;  // by which a scan is explained by each of two layers of a map
+inline constexpr std::size_t kLayerMatches = 4;  // landmarks that it shows in the second of them alone
+inline constexpr std::size_t kLayerScans =
+    5;  // no more than one in so many scans may have shown landmarks of both
+inline constexpr double kLayerApart_m = 10.0;  // farther apart, or than half the scan's reach, is no drift
+inline constexpr double kLayerTurn_rad = 10.0 * kDegree;
+inline constexpr std::uint32_t kTwinsInTurn =
+    128;  // landmarks that are held against their neighbours, a scan
+// Sightings of a landmark from places near each other err alike, so that small gains in the sum of squares
+// are no evidence: a group step has to gain this many variances of a sighting. A closed loop gains thousands,
+// and its last steps few.
+inline constexpr double kStepGain = 100.0;
+inline constexpr std::uint32_t kLinkingScans =
+    20;  // after layers were linked, in which their landmarks become one
+inline constexpr double kLoopStepGain = 3.0;
 inline constexpr std::uint32_t kStepsAfterLoop = 4;  // group steps, one a scan
 inline constexpr std::uint32_t kGroupStepScans = 3;  // a group step after so many scans ...
 inline constexpr std::uint64_t kSightingsPerScan =

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 namespace slamsensor::core {
@@ -196,13 +197,7 @@ void Atlas::tie(MapSlot map, const Weighed& w) noexcept {
     }
   });
   graph_.merge(map, to, w.candidate.pose_W, twins.span());
-  into.landmarks = into.confirmed = 0;
-  for (std::uint32_t slot = 0; slot < graph_.slots(); ++slot) {
-    if (graph_.is_used(slot) && graph_.landmark(slot).map == to) {
-      ++into.landmarks;
-      into.confirmed += graph_.standing(slot).sightings >= 2 ? 1 : 0;
-    }
-  }
+  count_landmarks(to);
   into.scans += from.scans;
   into.W += from.W;
   if (from.last_scan >= into.last_scan) {
@@ -212,6 +207,140 @@ void Atlas::tie(MapSlot map, const Weighed& w) noexcept {
   }
   drop_map(map);
   ++revision_;
+}
+
+/// Whether `other` explains the scan by another layer of the map than `answer` does: the same ground, mapped
+/// twice with drift between. What tells layers from a lattice or a row: hardly any scan ever showed landmarks
+/// of both, though both would have been in view.
+bool Atlas::is_layer(const Weighed& answer, const Weighed& other) noexcept {
+  const Pose2& a = answer.candidate.pose_W;
+  const Pose2& b = other.candidate.pose_W;
+  if (other.candidate.map != answer.candidate.map ||
+      other.evidence.ln_bayes < kLayerDecades * std::numbers::ln10 ||
+      (a.translation() - b.translation()).norm() > std::min(kLayerApart_m, 0.5 * scan_.reach_m) ||
+      std::abs(wrap_angle(a.heading_rad - b.heading_rad)) > kLayerTurn_rad) {
+    return false;
+  }
+  FixedVector<std::uint32_t, kScanLandmarksMax> some;
+  FixedVector<std::uint32_t, kScanLandmarksMax> others;
+  for (const Match& match : answer.candidate.matches) {
+    SLAMSENSOR_ASSERT(some.try_push_back(match.map));
+  }
+  for (const Match& match : other.candidate.matches) {
+    if (std::find(some.begin(), some.end(), match.map) == some.end()) {
+      SLAMSENSOR_ASSERT(others.try_push_back(match.map));
+    }
+  }
+  std::uint32_t shown = 0;  // by the scans that showed the fewer
+  for (const std::uint32_t slot : others) {
+    shown = std::max(shown, graph_.standing(slot).sightings);
+  }
+  return others.size() >= kLayerMatches && 4 * others.size() >= 3 * other.candidate.matches.size() &&
+         graph_.scans_of_both(some.span(), others.span()) * kLayerScans <= shown;
+}
+
+/// A scan that stands in two layers of a map closes the loop between them. True when it did, and what was
+/// found in the maps is to be found again.
+bool Atlas::close_loop(MapSlot map) noexcept {
+  const std::size_t best = best_in(weighed_.span(), map);
+  if (best == SIZE_MAX || weighed_[best].evidence.ln_bayes < kLayerDecades * std::numbers::ln10) {
+    return false;
+  }
+  const Weighed& answer = weighed_[best];
+  const auto other = std::find_if(weighed_.begin(), weighed_.end(),
+                                  [&](const Weighed& w) { return &w != &answer && is_layer(answer, w); });
+  if (other == weighed_.end()) {
+    return false;
+  }
+  link_layers(answer.candidate, other->candidate);
+  return true;
+}
+
+/// The scan, as a pose that shows landmarks of both layers, pulls them together.
+void Atlas::link_layers(const Candidate& answer, const Candidate& other) noexcept {
+  seen_.clear();
+  for (const Match& match : answer.matches) {
+    SLAMSENSOR_ASSERT(seen_.try_push_back({match.map, points_L_[match.scan]}));
+  }
+  for (const Match& match : other.matches) {
+    const auto* const same = std::find_if(answer.matches.begin(), answer.matches.end(),
+                                          [&](const Match& m) { return m.scan == match.scan; });
+    const bool is_taken = std::any_of(seen_.begin(), seen_.end(), [&](const SightingGraph::Seen& seen) {
+      return seen.landmark == match.map;
+    });
+    if (is_taken) {
+      continue;
+    }
+    if (same == answer.matches.end()) {
+      if (!seen_.try_push_back({match.map, points_L_[match.scan]})) {
+        break;
+      }
+    } else if (graph_.may_be_one(same->map, match.map)) {
+      seen_[static_cast<std::size_t>(same - answer.matches.begin())].landmark = unite(same->map, match.map);
+    }
+  }
+  GraphPose pose;
+  pose.T_W_B = answer.pose_W;
+  pose.scan = scan_.number;
+  pose.map = answer.map;
+  pose.chain = maps_[answer.map].number;
+  static_cast<void>(graph_.add_pose(pose, seen_.span(), SightingGraph::Weights::Full));
+  graph_.sum_anew();
+  for (std::uint32_t i = 0; i < kStepsAfterLoop; ++i) {
+    graph_.group_step(answer.map, rates_.sigma_m(scale_.start_sigma_m()), kLoopStepGain);
+  }
+  linked_scan_ = scan_.number;
+  has_linked_ = true;
+}
+
+void Atlas::count_landmarks(MapSlot map) noexcept {
+  MapEntry& entry = maps_[map];
+  entry.landmarks = entry.confirmed = 0;
+  for (std::uint32_t slot = 0; slot < graph_.slots(); ++slot) {
+    if (graph_.is_used(slot) && graph_.landmark(slot).map == map) {
+      ++entry.landmarks;
+      entry.confirmed += graph_.standing(slot).sightings >= 2 ? 1 : 0;
+    }
+  }
+}
+
+/// Two landmarks of one map become one: the older. Returns it.
+std::uint32_t Atlas::unite(std::uint32_t a, std::uint32_t b) noexcept {
+  const std::uint32_t kept = graph_.landmark(a).id < graph_.landmark(b).id ? a : b;
+  const std::uint32_t gone = kept == a ? b : a;
+  MapEntry& entry = maps_[graph_.landmark(kept).map];
+  const bool was_confirmed = graph_.standing(kept).sightings >= 2;
+  entry.confirmed += was_confirmed || graph_.standing(gone).sightings >= 2 ? 0 : 1;
+  entry.confirmed -= was_confirmed && graph_.standing(gone).sightings >= 2 ? 1 : 0;
+  --entry.landmarks;
+  graph_.unite(gone, kept);
+  return kept;
+}
+
+/// Landmarks that came to stand at one place, and may be one, become one; some of the maps' landmarks a scan.
+void Atlas::unite_twins_in_turn() noexcept {
+  const double gate_m = kTwinGateSigmas * rates_.sigma_m(scale_.start_sigma_m());
+  bool is_changed = false;
+  for (std::uint32_t i = 0; i < std::min(kTwinsInTurn, graph_.slots()); ++i) {
+    twin_turn_ = twin_turn_ + 1 < graph_.slots() ? twin_turn_ + 1 : 0;
+    if (!graph_.is_used(twin_turn_)) {
+      continue;
+    }
+    std::uint32_t twin = SightingGraph::kNone;
+    graph_.index().visit_within(graph_.landmark(twin_turn_).map, graph_.positions()[twin_turn_], gate_m,
+                                [&](std::uint32_t slot, double) {
+                                  if (slot != twin_turn_ && graph_.may_be_one(slot, twin_turn_)) {
+                                    twin = slot;
+                                  }
+                                });
+    if (twin != SightingGraph::kNone) {
+      static_cast<void>(unite(twin_turn_, twin));
+      is_changed = true;
+    }
+  }
+  if (is_changed) {
+    graph_.sum_anew();
+  }
 }
 
 }  // namespace slamsensor::core

@@ -10,10 +10,8 @@
 namespace slamsensor::core {
 namespace {
 
-// Sightings of one scan err alike, so that small gains in the sum of squares are no evidence: a step has to
-// gain this many variances of a sighting. A closed loop gains thousands.
-constexpr double kGainMin = 100.0;
-constexpr double kHold = 1e9;  // information that holds the frame of a map
+constexpr double kGroupGap_m = 30.0;  // between poses that follow each other: farther is a kidnap
+constexpr double kHold = 1e9;         // information that holds the frame of a map
 constexpr double kDamping = 1e-6;
 constexpr double kTurnMax_rad = 0.3;   // of a step: beyond, the linearisation says nothing
 constexpr double kOffsetPrior = 2.0;   // sightings' worth of belief that there is no offset
@@ -25,13 +23,14 @@ constexpr double kOffsetWorth_m = 0.002;  // a smaller change is not worth movin
 
 }  // namespace
 
-void SightingGraph::group_step(MapSlot map, double sigma_m) noexcept {
+void SightingGraph::group_step(MapSlot map, double sigma_m, double gain_min) noexcept {
   const std::uint32_t groups = make_groups(map);
   if (groups < 2) {
     return;
   }
   std::fill(system_.begin(), system_.end(), 0.0);
   step_.fill(0.0);
+  range_sum_m_ = range_count_ = 0.0;
   for (std::uint32_t slot = 0; slot < landmarks_.size(); ++slot) {
     if (used_[slot] != 0 && landmarks_[slot].map == map && landmarks_[slot].sightings != kNone) {
       add_landmark_to_system(slot, 3 * groups);
@@ -46,40 +45,99 @@ void SightingGraph::group_step(MapSlot map, double sigma_m) noexcept {
   }
   const std::array<double, kUnknownsMax> slope = step_;
   solve(std::span(step_).first(unknowns));
+  // The offset is found where each pose is a group of its own: larger groups would bend to take it up. It is
+  // the last unknown, so that the step of the poses without it is that of the leading part of the equations.
+  std::uint32_t moved = unknowns;
+  const double worth_m = offset_worth_m(sigma_m / system(unknowns - 1, unknowns - 1));
+  if (std::any_of(members_.begin(), members_.begin() + groups,
+                  [](double members) { return members > 1.0; }) ||
+      std::abs(step_[unknowns - 1]) < worth_m) {
+    moved = 3 * groups;
+    step_ = slope;
+    solve(std::span(step_).first(moved));
+  }
   find_drift(map, groups);
   double gain = 0.0;  // of the step: by how much it lowers the sum of squares
-  for (std::size_t i = 0; i < std::size_t{unknowns}; ++i) {
+  for (std::size_t i = 0; i < std::size_t{moved}; ++i) {
     gain += slope[i] * step_[i];
   }
-  if (gain < kGainMin * sigma_m * sigma_m) {
+  if (gain < gain_min * sigma_m * sigma_m) {
     return;
   }
-  // The offset is found where each pose is a group of its own: larger groups would bend to take it up.
-  if (groups < kGroupsMax) {
-    step_offset(step_[unknowns - 1], sigma_m / system(unknowns - 1, unknowns - 1));
+  const double offset_m = offset_m_;
+  const double before = squares(map);
+  if (moved == unknowns) {
+    offset_m_ = std::clamp(offset_m_ + std::clamp(step_[unknowns - 1], -kOffsetStep_m, kOffsetStep_m),
+                           -kOffsetMax_m, kOffsetMax_m);
   }
-  move_groups(map);
+  move_groups(map, true);
   sum_anew();
+  if (squares(map) > before) {  // beyond what the linearised equations say
+    offset_m_ = offset_m;
+    move_groups(map, false);
+    sum_anew();
+  }
+}
+
+/// The weighted sum of squares of the map's sightings about their landmarks (m^2).
+double SightingGraph::squares(MapSlot map) const noexcept {
+  double sum = 0.0;
+  visit_poses([&](std::uint32_t, const GraphPose& pose) {
+    for (std::uint32_t i = 0; pose.map == map && i < pose.count; ++i) {
+      const GraphSighting& s = sightings_[(pose.first + i) % sightings_.capacity()];
+      if (s.landmark != kNone) {
+        const Point2 q = pose.T_W_B * body_point({static_cast<double>(s.x_m), static_cast<double>(s.y_m)});
+        sum += static_cast<double>(s.weight) * (q - positions_[s.landmark]).squaredNorm();
+      }
+    }
+  });
+  return sum;
+}
+
+/// Whether two poses that follow each other are parts of one rigid body: not where one local map ends and
+/// another begins, and not where the carrier was taken elsewhere between them.
+bool SightingGraph::hang_together(const GraphPose& before, const GraphPose& pose) noexcept {
+  return before.chain == pose.chain &&
+         (before.T_W_B.translation() - pose.T_W_B.translation()).norm() <= kGroupGap_m;
 }
 
 /// Groups of consecutive poses, and their middles. Returns how many.
 std::uint32_t SightingGraph::make_groups(MapSlot map) noexcept {
   std::uint32_t poses = 0;
-  visit_poses([&](std::uint32_t, const GraphPose& pose) { poses += pose.map == map ? 1 : 0; });
-  const std::uint32_t groups = std::min(kGroupsMax, poses / kGroupPosesMin);
-  if (groups < 2) {
-    return groups;
+  std::uint32_t seams = 0;
+  const GraphPose* last = nullptr;
+  visit_poses([&](std::uint32_t, const GraphPose& pose) {
+    if (pose.map == map) {
+      ++poses;
+      seams += last != nullptr && !hang_together(*last, pose) ? 1 : 0;
+      last = &pose;
+    }
+  });
+  if (poses < 2) {
+    return 0;
   }
+  // At most half of the groups end at seams, if there are too many, at the latest ones.
+  const std::uint32_t most_seams = std::min(seams, kGroupsMax / 2);
+  const std::uint32_t size = (poses + kGroupsMax - most_seams - 1) / (kGroupsMax - most_seams);
   middles_.fill(Point2::Zero());
   members_.fill(0.0);
-  std::uint32_t number = 0;
+  path_m_ = 0.0;
+  std::uint32_t groups = 0;
+  std::uint32_t seams_left = seams;
+  last = nullptr;
   visit_poses([&](std::uint32_t place_of, const GraphPose& pose) {
-    if (pose.map == map) {
-      const auto group = static_cast<std::uint16_t>(std::uint64_t{number++} * groups / poses);
-      poses_[place_of].group = group;
-      middles_[group] += pose.T_W_B.translation();
-      members_[group] += 1.0;
+    if (pose.map != map) {
+      return;
     }
+    const bool is_seam = last != nullptr && !hang_together(*last, pose);
+    const bool ends = groups == 0 || (is_seam && seams_left <= most_seams) || members_[groups - 1] >= size;
+    groups += ends && groups < kGroupsMax ? 1 : 0;
+    seams_left -= is_seam ? 1 : 0;
+    poses_[place_of].group = static_cast<std::uint16_t>(groups - 1);
+    middles_[groups - 1] += pose.T_W_B.translation();
+    path_m_ += ends || last == nullptr ? 0.0 : (pose.T_W_B.translation() - last->T_W_B.translation()).norm();
+    members_[groups - 1] += 1.0;
+    last = &pose;
   });
   for (std::uint32_t g = 0; g < groups; ++g) {
     middles_[g] /= members_[g];
@@ -121,6 +179,8 @@ void SightingGraph::add_landmark_to_system(std::uint32_t slot, std::uint32_t off
     }
     share->sum_J += weight * J;
     const double range_m = point_L.norm();
+    range_sum_m_ += range_m;
+    range_count_ += 1.0;
     if (range_m > 0.0) {  // along the ray, as the offset moves it
       const Point2 along =
           (pose.T_W_B * (T_B_L_ * Point2(point_L / range_m))) - (pose.T_W_B * T_B_L_.translation());
@@ -205,9 +265,12 @@ void SightingGraph::solve(std::span<double> x) const noexcept {
   }
 }
 
-/// The variance of a group is its block of the inverse.
+/// The variance of a group is its block of the inverse. A group is no rigid body but a chain of poses, as
+/// many links longer as its path is longer than what a scan sees.
 void SightingGraph::find_drift(MapSlot map, std::uint32_t groups) noexcept {
   drift_map_ = map;
+  const double range_m = range_sum_m_ / std::max(1.0, range_count_);
+  const double bend = 1.0 + path_m_ / groups / std::max(1.0, range_m);
   std::array<double, kUnknownsMax> column{};
   const std::uint32_t unknowns = 3 * groups + 1;
   for (std::uint32_t c = 0; c < 3 * groups; ++c) {
@@ -217,33 +280,32 @@ void SightingGraph::find_drift(MapSlot map, std::uint32_t groups) noexcept {
     column[c] = 1.0;
     solve(std::span(column).first(unknowns));
     for (std::uint32_t i = 0; i < 3; ++i) {
-      drift_[c / 3](i, c % 3) = column[c / 3 * 3 + i];
+      drift_[c / 3](i, c % 3) = bend * column[c / 3 * 3 + i];
     }
   }
 }
 
-void SightingGraph::move_groups(MapSlot map) noexcept {
+/// Moves the poses by their groups' steps, or back again.
+void SightingGraph::move_groups(MapSlot map, bool is_forward) noexcept {
   visit_poses([&](std::uint32_t place_of, const GraphPose& pose) {
     if (pose.map != map || pose.is_anchor != 0) {
       return;
     }
     const std::size_t at = std::size_t{3} * pose.group;
     const Point2& middle = middles_[pose.group];
-    const double turn_rad = std::clamp(step_[at + 2], -kTurnMax_rad, kTurnMax_rad);
+    const Point2 step(step_[at], step_[at + 1]);
+    const double turn_rad =
+        (is_forward ? 1.0 : -1.0) * std::clamp(step_[at + 2], -kTurnMax_rad, kTurnMax_rad);
     const Pose2 turn{0.0, 0.0, turn_rad};
-    const Point2 moved =
-        middle + Point2(step_[at], step_[at + 1]) + turn * Point2(pose.T_W_B.translation() - middle);
+    const Point2 from = pose.T_W_B.translation() - middle;
+    const Point2 moved = middle + (is_forward ? Point2(step + turn * from) : turn * Point2(from - step));
     poses_[place_of].T_W_B = {moved.x(), moved.y(), wrap_angle(pose.T_W_B.heading_rad + turn_rad)};
   });
 }
 
-/// The offset as it follows from all sightings together with the poses; `sigma_m` is its own 1 sigma.
-void SightingGraph::step_offset(double step_m, double sigma_m) noexcept {
-  const double worth_m = offset_m_ == 0.0 ? std::max(kOffsetMin_m, kOffsetSigmas * sigma_m) : kOffsetWorth_m;
-  if (std::abs(step_m) >= worth_m) {
-    offset_m_ = std::clamp(offset_m_ + std::clamp(step_m, -kOffsetStep_m, kOffsetStep_m), -kOffsetMax_m,
-                           kOffsetMax_m);
-  }
+/// The least step of the offset that is taken; `sigma_m` is its own 1 sigma.
+double SightingGraph::offset_worth_m(double sigma_m) const noexcept {
+  return offset_m_ == 0.0 ? std::max(kOffsetMin_m, kOffsetSigmas * sigma_m) : kOffsetWorth_m;
 }
 
 }  // namespace slamsensor::core

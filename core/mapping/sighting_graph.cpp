@@ -8,6 +8,11 @@
 namespace slamsensor::core {
 namespace {
 
+constexpr double kHolds = 0.1;  // a sighting of less weight says little of where its pose is
+// A pose that fewer hold stays: landmarks that were taken out leave poses behind that nothing would keep from
+// turning.
+constexpr std::uint32_t kHeldMin = 3;
+
 /// Weight of Geman and McClure's kernel.
 double robust_weight(double distance2_m2, double scale_m) noexcept {
   const double r = 1.0 + distance2_m2 / (scale_m * scale_m);
@@ -29,10 +34,11 @@ SightingGraph::SightingGraph(Arena& arena, const Config& config) noexcept
       poses_(arena, "maps: poses", config.capacities.path_poses),
       sightings_(arena, "maps: sightings",
                  std::max(config.capacities.sightings, config.capacities.scan_landmarks)),
+      marks_(arena, "maps: marks of poses", config.capacities.path_poses),
       system_(arena, "maps: group equations", std::size_t{kUnknownsMax} * kUnknownsMax) {
   drift_.fill(Eigen::Matrix3d::Zero());
   SLAMSENSOR_ASSERT(system_.try_resize(system_.capacity()) && poses_.try_resize(poses_.capacity()) &&
-                    sightings_.try_resize(sightings_.capacity()));
+                    marks_.try_resize(marks_.capacity()) && sightings_.try_resize(sightings_.capacity()));
 }
 
 Point2 SightingGraph::body_point(const Point2& point_L) const noexcept {
@@ -118,7 +124,8 @@ void SightingGraph::place(std::uint32_t slot) noexcept {
   }
 }
 
-std::uint32_t SightingGraph::add_pose(const GraphPose& pose, std::span<const Seen> seen) noexcept {
+std::uint32_t SightingGraph::add_pose(const GraphPose& pose, std::span<const Seen> seen,
+                                      Weights weights) noexcept {
   while (pose_head_ - pose_tail_ >= poses_.capacity() ||
          (pose_head_ > pose_tail_ && sighting_head_ - sighting_tail_ + seen.size() > sightings_.capacity())) {
     fold_oldest();
@@ -132,7 +139,8 @@ std::uint32_t SightingGraph::add_pose(const GraphPose& pose, std::span<const See
     const auto at = static_cast<std::uint32_t>(sighting_head_++ % sightings_.capacity());
     const Point2 q = pose.T_W_B * body_point(s.point_L);
     GraphLandmark& l = landmarks_[s.landmark];
-    const double d2 = l.sum_weight > 0.0 ? (q - positions_[s.landmark]).squaredNorm() : 0.0;
+    const double d2 =
+        weights == Weights::Robust && l.sum_weight > 0.0 ? (q - positions_[s.landmark]).squaredNorm() : 0.0;
     sightings_[at] = {static_cast<float>(s.point_L.x()),
                       static_cast<float>(s.point_L.y()),
                       static_cast<float>(robust_weight(d2, robust_scale_m_)),
@@ -225,6 +233,7 @@ void SightingGraph::refit(std::uint32_t place_of) noexcept {
   Point2 mean_B = Point2::Zero();
   Point2 mean_W = Point2::Zero();
   double total = 0.0;
+  std::uint32_t held = 0;                          // sightings that hold the pose
   std::array<Point2, kScanLandmarksMax> points_B;  // NOLINT: what is read is written before
   std::array<Point2, kScanLandmarksMax> rest_W;    // NOLINT
   std::array<double, kScanLandmarksMax> weights;   // NOLINT
@@ -248,9 +257,10 @@ void SightingGraph::refit(std::uint32_t place_of) noexcept {
     mean_B += weights[i] * points_B[i];
     mean_W += weights[i] * rest_W[i];
     total += weights[i];
+    held += weights[i] > kHolds ? 1 : 0;
   }
   Pose2 moved = pose.T_W_B;
-  if (total > 1e-3 && pose.is_anchor == 0) {
+  if (held >= kHeldMin && pose.is_anchor == 0) {
     mean_B /= total;
     mean_W /= total;
     double dot = 0.0;
@@ -352,34 +362,66 @@ void SightingGraph::merge(MapSlot from, MapSlot to, const Pose2& T_to_from,
     }
   }
   for (const Match& twin : twins) {
-    GraphLandmark& gone = landmarks_[twin.scan];
-    GraphLandmark& kept = landmarks_[twin.map];
-    while (gone.sightings != kNone) {
-      const std::uint32_t s = gone.sightings;
-      unchain(s);
-      sightings_[s].landmark = twin.map;
-      chain(s);
-    }
-    const auto a = static_cast<double>(kept.prior_weight);
-    const auto b = static_cast<double>(gone.prior_weight);
-    if (b > 0.0) {
-      kept.prior_x_m = static_cast<float>(
-          (a * static_cast<double>(kept.prior_x_m) + b * static_cast<double>(gone.prior_x_m)) / (a + b));
-      kept.prior_y_m = static_cast<float>(
-          (a * static_cast<double>(kept.prior_y_m) + b * static_cast<double>(gone.prior_y_m)) / (a + b));
-      kept.prior_weight = static_cast<float>(a + b);
-    }
-    kept.first_scan = std::min(kept.first_scan, gone.first_scan);
-    kept.last_scan = std::max(kept.last_scan, gone.last_scan);
-    kept.misses = std::min(kept.misses, gone.misses);
-    standing_[twin.map].sightings += standing_[twin.scan].sightings;
-    standing_[twin.map].chances += standing_[twin.scan].chances;
-    remove_landmark(twin.scan);
+    unite(twin.scan, twin.map);
   }
   sum_anew();
 }
 
-/// Sums and places of all landmarks from their priors and sightings.
+void SightingGraph::unite(std::uint32_t gone_slot, std::uint32_t kept_slot) noexcept {
+  GraphLandmark& gone = landmarks_[gone_slot];
+  GraphLandmark& kept = landmarks_[kept_slot];
+  while (gone.sightings != kNone) {
+    const std::uint32_t s = gone.sightings;
+    unchain(s);
+    sightings_[s].landmark = kept_slot;
+    chain(s);
+  }
+  const auto a = static_cast<double>(kept.prior_weight);
+  const auto b = static_cast<double>(gone.prior_weight);
+  if (b > 0.0) {
+    kept.prior_x_m = static_cast<float>(
+        (a * static_cast<double>(kept.prior_x_m) + b * static_cast<double>(gone.prior_x_m)) / (a + b));
+    kept.prior_y_m = static_cast<float>(
+        (a * static_cast<double>(kept.prior_y_m) + b * static_cast<double>(gone.prior_y_m)) / (a + b));
+    kept.prior_weight = static_cast<float>(a + b);
+  }
+  kept.first_scan = std::min(kept.first_scan, gone.first_scan);
+  kept.last_scan = std::max(kept.last_scan, gone.last_scan);
+  kept.misses = std::min(kept.misses, gone.misses);
+  standing_[kept_slot].sightings += standing_[gone_slot].sightings;
+  standing_[kept_slot].chances += standing_[gone_slot].chances;
+  remove_landmark(gone_slot);
+}
+
+bool SightingGraph::may_be_one(std::uint32_t a, std::uint32_t b) noexcept {
+  if (landmarks_[a].map != landmarks_[b].map ||
+      (landmarks_[a].prior_weight > 0.0F && landmarks_[b].prior_weight > 0.0F)) {
+    return false;
+  }
+  return scans_of_both(std::span(&a, 1), std::span(&b, 1)) == 0;
+}
+
+std::size_t SightingGraph::scans_of_both(std::span<const std::uint32_t> some,
+                                         std::span<const std::uint32_t> others) noexcept {
+  const std::uint32_t seen = mark_ + 1;
+  const std::uint32_t counted = mark_ + 2;
+  mark_ += 2;
+  for (const std::uint32_t slot : some) {
+    for (std::uint32_t s = landmarks_[slot].sightings; s != kNone; s = sightings_[s].next) {
+      marks_[sightings_[s].pose] = seen;
+    }
+  }
+  std::size_t count = 0;
+  for (const std::uint32_t slot : others) {
+    for (std::uint32_t s = landmarks_[slot].sightings; s != kNone; s = sightings_[s].next) {
+      std::uint32_t& mark = marks_[sightings_[s].pose];
+      count += mark == seen ? 1 : 0;
+      mark = mark == seen ? counted : mark;
+    }
+  }
+  return count;
+}
+
 void SightingGraph::sum_anew() noexcept {
   for (std::uint32_t slot = 0; slot < landmarks_.size(); ++slot) {
     GraphLandmark& l = landmarks_[slot];

@@ -44,6 +44,7 @@ struct GraphPose {
   std::uint32_t count = 0;    ///< sightings; 0 when the pose was taken out
   std::uint32_t brought = 0;  ///< landmarks that its scan showed first ...
   std::uint32_t gone = 0;     ///< ... and how many of them later scans contradicted
+  std::uint32_t chain = 0;    ///< number of the map that it was brought into, before ties
   MapSlot map = 0;
   std::uint16_t group = 0;      ///< of the last group step
   std::uint16_t is_anchor = 0;  ///< holds the frame of its map: it is never moved
@@ -89,10 +90,16 @@ class SightingGraph {
     std::uint32_t landmark;
     Point2 point_L;
   };
+  /// How much the sightings of a new pose count.
+  enum class Weights : std::uint8_t {
+    Robust,  ///< by how near they are to their landmarks
+    Full,    ///< wholly, however far: the pose closes a loop
+  };
   /// A pose of `map` with its sightings (at most the scan's capacity). The landmarks follow at once. Returns
   /// its place.
-  std::uint32_t add_pose(const GraphPose& pose, std::span<const Seen> seen) noexcept;
-  /// Takes a pose and its sightings out; landmarks that nothing else supports go, too.
+  std::uint32_t add_pose(const GraphPose& pose, std::span<const Seen> seen,
+                         Weights weights = Weights::Robust) noexcept;
+  /// Takes a pose and its sightings out again; landmarks that nothing else supports go, too.
   void remove_pose(std::uint32_t pose) noexcept;
 
   /// Moves the pose to its best place against what the other poses say of its landmarks.
@@ -105,6 +112,17 @@ class SightingGraph {
   /// Makes all of `from` part of `to`: T_to_from takes coordinates of one to the other. `twins` are pairs (of
   /// from, of to) that are one landmark.
   void merge(MapSlot from, MapSlot to, const Pose2& T_to_from, std::span<const Match> twins) noexcept;
+  /// `gone` and `kept` are one landmark: its sightings go to `kept`. The places follow at sum_anew or
+  /// group_step.
+  void unite(std::uint32_t gone, std::uint32_t kept) noexcept;
+  /// Whether `a` and `b` can be one landmark, as far as is still known: no scan that is kept shows both, and
+  /// not both come from before what is kept.
+  [[nodiscard]] bool may_be_one(std::uint32_t a, std::uint32_t b) noexcept;
+  /// How many of the scans that are kept show landmarks of both kinds.
+  [[nodiscard]] std::size_t scans_of_both(std::span<const std::uint32_t> some,
+                                          std::span<const std::uint32_t> others) noexcept;
+  /// Sums and places of all landmarks from their priors and sightings.
+  void sum_anew() noexcept;
   /// Forgets all of a map.
   void forget(MapSlot map) noexcept;
   void clear() noexcept;
@@ -142,8 +160,9 @@ class SightingGraph {
   [[nodiscard]] std::uint64_t poses_folded() const noexcept { return folded_; }
 
   /// One group step on the poses of `map` (see above), and a step of the offset with it. `sigma_m` is the
-  /// spread of a sighting per axis. Takes time in proportion to the sightings of the map.
-  void group_step(MapSlot map, double sigma_m) noexcept;
+  /// spread of a sighting per axis. A step that would lower the sum of squares by less than `gain_min`
+  /// variances of a sighting is not made. Takes time in proportion to the sightings of the map.
+  void group_step(MapSlot map, double sigma_m, double gain_min) noexcept;
   /// Variance of (x, y, heading) of a pose relative to the origin of its map, as the last group step of that
   /// map found it, for sightings of variance 1. Zero before the first.
   [[nodiscard]] Eigen::Matrix3d drift_of(std::uint32_t pose) const noexcept {
@@ -155,7 +174,6 @@ class SightingGraph {
 
  private:
   static constexpr std::uint32_t kGroupsMax = 40;
-  static constexpr std::uint32_t kGroupPosesMin = 1;
   static constexpr std::uint32_t kUnknownsMax = 3 * kGroupsMax + 1;  // the offset is the last one
 
   /// What one group says of one landmark.
@@ -172,15 +190,16 @@ class SightingGraph {
   void move_pose(GraphPose& pose, const Pose2& moved, std::span<const Point2> points_B,
                  std::span<const Point2> rest_W, std::span<const double> weights) noexcept;
   void fold_oldest() noexcept;
-  void sum_anew() noexcept;
+  [[nodiscard]] static bool hang_together(const GraphPose& before, const GraphPose& pose) noexcept;
   [[nodiscard]] std::uint32_t make_groups(MapSlot map) noexcept;
   void add_landmark_to_system(std::uint32_t slot, std::uint32_t offset_at) noexcept;
   void hold_frame(MapSlot map, std::uint32_t groups) noexcept;
   [[nodiscard]] bool factorise(std::uint32_t unknowns) noexcept;
   void solve(std::span<double> x) const noexcept;
-  void move_groups(MapSlot map) noexcept;
+  void move_groups(MapSlot map, bool is_forward) noexcept;
+  [[nodiscard]] double squares(MapSlot map) const noexcept;
   void find_drift(MapSlot map, std::uint32_t groups) noexcept;
-  void step_offset(double step_m, double sigma_m) noexcept;
+  [[nodiscard]] double offset_worth_m(double sigma_m) const noexcept;
   [[nodiscard]] double& system(std::uint32_t row, std::uint32_t column) noexcept {
     return system_[std::size_t{row} * kUnknownsMax + column];
   }
@@ -200,6 +219,8 @@ class SightingGraph {
   BoundedVector<std::uint32_t> free_;
   BoundedVector<GraphPose> poses_;
   BoundedVector<GraphSighting> sightings_;
+  BoundedVector<std::uint32_t> marks_;  // per pose, of may_be_one
+  std::uint32_t mark_ = 0;
   std::uint64_t pose_head_ = 0;  // of the next pose; places are modulo the capacity
   std::uint64_t pose_tail_ = 0;
   std::uint64_t sighting_head_ = 0;
@@ -212,6 +233,9 @@ class SightingGraph {
   std::array<double, kGroupsMax> members_{};
   std::array<Eigen::Matrix3d, kGroupsMax> drift_{};
   MapSlot drift_map_ = UINT16_MAX;
+  double range_sum_m_ = 0.0;  // of the sightings of the last group step
+  double range_count_ = 0.0;
+  double path_m_ = 0.0;  // within the groups of it
   std::uint32_t next_id_ = 0;
 
  public:
