@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 namespace slamsensor::core {
@@ -66,6 +68,53 @@ TEST(AtlasMaps, LocalMapsThatOverlapAreTied) {
             << "seed " << seed;
       }
     }
+  }
+}
+
+/// Once and a bit more round a ring, with a sensor that sees what is ahead turned a little to one side, so
+/// that the map bends: the ring closes beyond the tolerance. Returns the error of the last pose, aligned
+/// by the first.
+double bent_ring(double bend_rad, const Forest& forest, Draw& draw, tests::InArena<Atlas>& atlas) {
+  constexpr double kRadius_m = 45.0;
+  constexpr int kRound = 130;
+  double error_m = 0.0;
+  Pose2 origin;
+  for (int i = 0; i < kRound + 25; ++i) {
+    const double at_rad = 2.0 * std::numbers::pi * i / kRound;
+    const Pose2 truth{kRadius_m * std::cos(at_rad), kRadius_m * std::sin(at_rad),
+                      at_rad + 0.5 * std::numbers::pi};
+    std::vector<Point2> scan = tests::scan_forest(forest, truth, kClear, draw);
+    for (Point2& p : scan) {
+      p = Pose2{0.0, 0.0, bend_rad * p.x() / p.norm()} * p;
+    }
+    const Fix fix = atlas->process(tests::as_landmarks(scan), {}, {});
+    origin = i == 0 ? truth : origin;
+    error_m = fix.status == FixStatus::Fix
+                  ? ((origin * fix.pose_W).translation() - truth.translation()).norm()
+                  : 1e9;
+  }
+  return error_m;
+}
+
+TEST(AtlasMaps, ALoopThatComesBackBesideItselfIsClosed) {
+  for (std::uint64_t seed = 21; seed <= 23; ++seed) {
+    Draw draw(seed);
+    const Forest forest = tests::make_forest(220, draw);
+    tests::InArena<Atlas> atlas(atlas_config());
+    EXPECT_LT(bent_ring(0.3 * kDegree, forest, draw, atlas), 1.0) << "seed " << seed;
+    // No tree is there twice any more where the ring closed.
+    const SightingGraph& graph = atlas->graph();
+    std::size_t twice = 0;
+    for (std::uint32_t a = 0; a < graph.slots(); ++a) {
+      for (std::uint32_t b = 0; b < a; ++b) {
+        twice += graph.is_used(a) && graph.is_used(b) && graph.landmark(a).map == graph.landmark(b).map &&
+                         graph.standing()[a].sightings > 3 && graph.standing()[b].sightings > 3 &&
+                         (graph.positions()[a] - graph.positions()[b]).norm() < 1.0
+                     ? 1
+                     : 0;
+      }
+    }
+    EXPECT_LE(twice, 1U) << "seed " << seed;
   }
 }
 

@@ -146,6 +146,46 @@ TEST(SightingGraph, ARefitLowersTheCost) {
   }
 }
 
+// Landmarks that were taken out leave poses behind that one or two others hold; those would turn about them
+// at will.
+TEST(SightingGraph, APoseThatHardlyAnythingHoldsStays) {
+  MirroredGraph mirror(graph_config(20, 200));
+  std::vector<SightingGraph::Seen> seen;
+  for (int i = 0; i < 6; ++i) {
+    const Point2 p(5.0 + i, i % 2 == 0 ? 3.0 : -2.0);
+    seen.push_back({mirror.add_landmark(0, mirror.graph->body_point(p)), p});
+  }
+  (void)mirror.add_pose(0, Pose2{}, seen, true);
+  for (SightingGraph::Seen& s : seen) {
+    s.point_L += Point2(0.1, -0.05);
+  }
+  const std::uint32_t place = mirror.add_pose(0, {0.02, 0.01, 0.01}, seen);
+  for (std::size_t i = 2; i < seen.size(); ++i) {
+    mirror.remove_landmark(seen[i].landmark);
+  }
+  mirror.graph->refit(place);
+  EXPECT_EQ(mirror.graph->pose(place).T_W_B.heading_rad, 0.01);
+  EXPECT_EQ(mirror.graph->pose(place).T_W_B.x_m, 0.02);
+}
+
+TEST(SightingGraph, WhatOneScanShowsTwiceIsNotOne) {
+  MirroredGraph mirror(graph_config(20, 200));
+  std::vector<std::uint32_t> slots;
+  for (int i = 0; i < 4; ++i) {
+    slots.push_back(mirror.add_landmark(0, Point2(4.0 * i, 1.0)));
+  }
+  (void)mirror.add_pose(0, Pose2{}, {{slots[0], {0.0, 1.0}}, {slots[1], {4.0, 1.0}}}, true);
+  (void)mirror.add_pose(0, Pose2{}, {{slots[1], {4.0, 1.0}}, {slots[2], {8.0, 1.0}}});
+  EXPECT_FALSE(mirror.graph->may_be_one(slots[0], slots[1]));
+  EXPECT_FALSE(mirror.graph->may_be_one(slots[2], slots[1]));
+  EXPECT_TRUE(mirror.graph->may_be_one(slots[0], slots[2]));
+  EXPECT_EQ(mirror.graph->scans_of_both(std::vector{slots[0], slots[2]}, std::vector{slots[1]}), 2U);
+  EXPECT_EQ(mirror.graph->scans_of_both(std::vector{slots[0]}, std::vector{slots[2], slots[3]}), 0U);
+  mirror.graph->set_prior(slots[0], 3.0);
+  mirror.graph->set_prior(slots[2], 3.0);
+  EXPECT_FALSE(mirror.graph->may_be_one(slots[0], slots[2])) << "both come from before what is kept";
+}
+
 TEST(SightingGraph, AnAnchorStays) {
   World world(graph_config(60, 2'000), 7);
   const std::uint32_t anchor = world.look(0, 0.2, true);
