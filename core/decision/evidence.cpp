@@ -13,6 +13,10 @@ namespace {
 
 constexpr double kGateSigmas = 3.7;  // beyond, a match explains less than no match
 constexpr int kRounds = 4;
+// Matches that lie wider than the learned spread open the gate by this share at most, while nothing was
+// learned yet, and less with experience: so many axes halve it.
+constexpr double kWider = 0.6;
+constexpr double kWiderAxes = 40.0;
 constexpr double kSigmaPrior = 12.0;  // axes that the learned spread counts as
 // Pseudo-observations of the beta distributions: few while nothing is known of this world, more with
 // experience.
@@ -119,7 +123,9 @@ Evidence EvidenceScale::weigh(const Witnesses& witnesses, const Maps& maps, Cand
   scene.area_m2 = std::max(1.0, 0.5 * angle_rad * scene.reach_m * scene.reach_m);
   scene.density_per_m2 = static_cast<double>(witnesses.points_B.size()) / scene.area_m2;
   Evidence evidence;
-  double sigma_m = maps.rates.sigma_m(start_sigma_m());
+  const double learned_m = maps.rates.sigma_m(start_sigma_m());
+  const double widest_m = learned_m * (1.0 + kWider * kWiderAxes / (kWiderAxes + maps.rates.spread_count));
+  double sigma_m = learned_m;
   for (int round = 0; round < kRounds; ++round) {
     const std::size_t before = candidate.matches.size();
     match(scene, kGateSigmas * sigma_m, candidate);
@@ -127,6 +133,7 @@ Evidence EvidenceScale::weigh(const Witnesses& witnesses, const Maps& maps, Cand
       return evidence;
     }
     fit(scene, sigma_m, candidate);
+    sigma_m = std::clamp(spread_of(scene, candidate, learned_m), learned_m, widest_m);
     if (round > 0 && candidate.matches.size() == before) {
       break;
     }
@@ -176,6 +183,18 @@ void EvidenceScale::fit(const Scene& scene, double sigma_m, Candidate& candidate
   constexpr double kRobustSigmas = 3.0;
   candidate.pose_W = fit_pose_robust(candidate.pose_W, candidate.matches.span(), scene.witnesses.points_B,
                                      scene.maps.positions, kRobustSigmas * sigma_m);
+}
+
+/// 1 sigma of the matches per axis, of the witnesses alone; `learned_m` counts as kSigmaPrior axes.
+double EvidenceScale::spread_of(const Scene& scene, const Candidate& candidate, double learned_m) noexcept {
+  const RigidMotion move(candidate.pose_W);
+  double scaled2 = 0.0;
+  for (const Match& match : candidate.matches) {
+    scaled2 += (move(scene.witnesses.points_B[match.scan]) - scene.maps.positions[match.map]).squaredNorm() /
+               variance_share(scene.maps.standing[match.map], scene.witnesses.sigma_share);
+  }
+  const double freedom = std::max(0.0, 2.0 * static_cast<double>(candidate.matches.size()) - 3.0);
+  return std::sqrt((kSigmaPrior * learned_m * learned_m + scaled2) / (kSigmaPrior + freedom));
 }
 
 void EvidenceScale::weigh_matches(const Scene& scene, const Candidate& candidate,

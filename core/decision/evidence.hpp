@@ -93,6 +93,8 @@ class EvidenceScale {
   struct Scene;
   void match(const Scene& scene, double gate_m, Candidate& candidate) noexcept;
   void fit(const Scene& scene, double sigma_m, Candidate& candidate) const noexcept;
+  [[nodiscard]] static double spread_of(const Scene& scene, const Candidate& candidate,
+                                        double learned_m) noexcept;
   void weigh_matches(const Scene& scene, const Candidate& candidate, Evidence& evidence) noexcept;
   void weigh_unmatched(const Scene& scene, const Candidate& candidate, Evidence& evidence) const noexcept;
   void weigh_missing(const Scene& scene, const Candidate& candidate, Evidence& evidence) const noexcept;

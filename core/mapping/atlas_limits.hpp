@@ -40,9 +40,11 @@ inline constexpr double kContradicted =
 inline constexpr double kNeverThere = 0.02;  // the same of one that was seen once
 inline constexpr double kSeldom = 0.12;      // a landmark shown by fewer of its chances than this goes ...
 inline constexpr std::uint32_t kSeldomChances = 15;  // ... after so many
-inline constexpr std::uint32_t kTakenOutMin = 6;  // landmarks that a scan brought and later scans contradict, and ...
-inline constexpr double kTakenOutShare = 0.8;     // ... their share, with which the scan is taken out of the map again
-inline constexpr double kTwinSigmas = 4.5;           // nearer to a landmark than this, nothing new is put
+inline constexpr std::uint32_t kTakenOutMin =
+    6;  // landmarks that a scan brought and later scans contradict, and ...
+inline constexpr double kTakenOutShare =
+    0.8;  // ... their share, with which the scan is taken out of the map again
+inline constexpr double kTwinSigmas = 4.5;  // nearer to a landmark than this, nothing new is put
 inline constexpr double kTwinGateSigmas =
     3.0;  // nearer to each other than this, landmarks of tied maps are one
 inline constexpr std::uint32_t kSaturated =
@@ -82,9 +84,9 @@ inline constexpr std::uint64_t kSightingsPerScan =
 // Calibrated on real drives against their references (tests/truth): about what is left of their errors.
 inline constexpr double kScanBias_m = 0.04;
 inline constexpr double kScanBias_rad = 0.15 * kDegree;
-inline constexpr double kFrameBias_rad = 0.06 * kDegree;
+inline constexpr double kFrameBias_rad = 0.09 * kDegree;
 inline constexpr double kDriftInflation =
-    1.5;  // of the drift's variance, for what sightings' errors have in common
+    3.0;  // of the drift's variance, for what sightings' errors have in common
 inline constexpr double kLookReach_m = 80.0;  // ground farther than this is not marked as explored
 
 }  // namespace slamsensor::core
