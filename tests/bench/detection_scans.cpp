@@ -4,9 +4,9 @@
 #include "core/detection/polar_grid.hpp"
 #include "tests/support/forest.hpp"
 #include "tools/world/drive.hpp"
-#include "tools/world/sweep.hpp"
+#include "tools/world/simulate.hpp"
 #include "tools/world/world.hpp"
-#include "tools/world/world_loader.hpp"
+#include "tools/world/world_config.hpp"
 
 #include <cmath>
 #include <cstdio>

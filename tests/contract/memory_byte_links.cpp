@@ -1,7 +1,7 @@
 // The memory link of the emulator held to the contract that the real serial port is held to: without delay
 // and through a USB adapter that hands over every 16 ms.
 #include "tests/contract/byte_link_contract.hpp"
-#include "tools/emulator/memory_link.hpp"
+#include "tools/emulator/emulated_port.hpp"
 
 namespace slamsensor::tests {
 namespace {

@@ -1,6 +1,6 @@
 // The memory CAN link of the emulator held to the contract that the real socket is held to.
 #include "tests/contract/can_link_contract.hpp"
-#include "tools/emulator/memory_can_link.hpp"
+#include "tools/emulator/memory_can_bus.hpp"
 
 #include <utility>
 

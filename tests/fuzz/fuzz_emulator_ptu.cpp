@@ -1,6 +1,6 @@
 #include "tools/emulator/ptu/ascii_command.hpp"
-#include "tools/emulator/ptu/cpi_command.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -9,8 +9,6 @@
 namespace {
 
 using namespace slamsensor::tools;  // NOLINT(google-build-using-namespace)
-
-constexpr std::uint8_t kTextMax = 0x80;
 
 void require(bool promise) {
   if (!promise) {
@@ -21,14 +19,14 @@ void require(bool promise) {
 void check(const PtuUnit& unit, slamsensor::hal::Stamp now) {
   for (const PtuAxisId id : {PtuAxisId::Pan, PtuAxisId::Tilt}) {
     require(std::isfinite(unit.head.axis(id).speed(now)));
-    require(std::isfinite(unit.head.axis(id).truth_arcsec(now, PtuSteps::Smooth)));
+    require(std::isfinite(unit.head.axis(id).truth_arcsec(now)));
   }
 }
 
 }  // namespace
 
-// The first byte picks the unit. Then come commands: text up to a space, or, from 81 hex on, those of the
-// binary interface. Whatever they say, the unit answers with text or a number and its axes stay somewhere.
+// The first byte picks the unit. Then come commands up to a space each. Whatever they say, the unit answers
+// with text and its axes stay somewhere.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) {
     return 0;
@@ -41,20 +39,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   for (std::size_t at = 1; at < size;) {
     now += std::chrono::milliseconds(20);
-    std::size_t end = at + 1;
-    if (data[at] < kTextMax) {
-      end = std::min(text.find(' ', at), size);
-      if (end > at) {
-        static_cast<void>(obey_ascii(unit, text.substr(at, end - at), now));
-      }
-      ++end;
-    } else if (data[at] >= kCpiOpcodeMin) {
-      end = at + 1 + cpi_argument_size(data[at], settings.model.series);
-      if (end <= size) {
-        static_cast<void>(obey_cpi(unit, {data + at, end - at}, now));
-      }
+    const std::size_t end = std::min(text.find(' ', at), size);
+    if (end > at) {
+      static_cast<void>(obey_ascii(unit, text.substr(at, end - at), now));
     }
-    at = end;
+    at = end + 1;
     check(unit, now);
   }
   return 0;

@@ -1,6 +1,6 @@
 #include "firmware/recording/map_order.hpp"
 #include "firmware/recording/messages.hpp"
-#include "tools/recording/event_log_reader.hpp"
+#include "tools/recording/recording_file.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
-#include "tools/input/landmark_csv.hpp"
-#include "tools/input/scan_files.hpp"
+#include "tools/input/scan_source.hpp"
+#include "tools/input/text_files.hpp"
 
 #include <cmath>
 #include <cstddef>

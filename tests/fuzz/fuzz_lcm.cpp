@@ -1,5 +1,5 @@
 #include "firmware/lcm/scan_message.hpp"
-#include "tools/spy/lcm_reassembler.hpp"
+#include "tools/spy/lcm_receiver.hpp"
 #include "tools/top/top_frame.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 #include "core/graph/delaunay.hpp"
-#include "tools/input/map_csv.hpp"
+#include "tools/input/text_files.hpp"
 
 #include <cmath>
 #include <cstddef>

@@ -1,6 +1,5 @@
-#include "tools/input/cloud_scanlines.hpp"
-#include "tools/input/input_scan.hpp"
 #include "tools/input/pcd.hpp"
+#include "tools/input/scan_source.hpp"
 
 #include <cmath>
 #include <cstddef>

@@ -1,5 +1,5 @@
-#include "tools/input/input_scan.hpp"
-#include "tools/input/readings_csv.hpp"
+#include "tools/input/scan_source.hpp"
+#include "tools/input/text_files.hpp"
 
 #include <cmath>
 #include <cstddef>

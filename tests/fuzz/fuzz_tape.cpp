@@ -1,5 +1,4 @@
-#include "tools/recording/playback_links.hpp"
-#include "tools/recording/tape_player.hpp"
+#include "tools/recording/playback.hpp"
 
 #include <algorithm>
 #include <array>

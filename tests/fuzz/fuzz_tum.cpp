@@ -1,4 +1,4 @@
-#include "tools/input/tum.hpp"
+#include "tools/input/text_files.hpp"
 
 #include <cmath>
 #include <cstddef>

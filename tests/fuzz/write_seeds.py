@@ -166,15 +166,14 @@ SEEDS = {
     "emulator_ptu": {
         "start": b"\x00ED FT CI I LE V PP TP PR TR PN PX TU TL PB TA ",
         "moves": b"\x00PS1000 PP2500 TP-350 A H PO-20 PD10 R ",
-        "modes": b"\x01M-100,100,-50,50 ME MQ MD CV PS-300 CI B B10,20,300,400 BT XS3 XG3 XC ",
-        "settings": b"\x01@(38400,0,T) @A(9600,0,F) U5 _5 _0 PHR TMH WPE LU PNU-100 RPS0 DS DR DF O ",
-        "binary": bytes.fromhex("0081F63C8200649193959799A3A5A8AEAFB0C9000007D0C4DC"),
+        "modes": b"\x01S PP100 TP-20 A I CV PS-300 TS200 CI LD LE HP HT RE RD RT ",
+        "settings": b"\x01@(38400,0,T) U5 _5 _0 u0 EE ED FV FT DS DR DF O XYZ PNU ",
     },
     "emulator_lwnx": {
         "start": b"\x00www\r\n" + wire("AA400000709F" * 3 + "AA41011B110000000EB2" + "AA41011E050000000F40"),
         "raw": b"\x00www\r\n" + wire("AA400000709F" * 3 + "AA810046010D70" + "AA41011E01000000FE8A"),
         "save": b"\x00www\r\n" + wire("AA400000709F" * 2 + "AA40000A3A3E" + "AAC1000C34128070"),
-        "text": b"\x01?LDF,0\r\n?P\r\n#CB,7\r\n$LD\r\n%C\r\n",
+        "text": b"\x01www\r\n?LDF,0\r\n",
         "sf45": b"\x06" + wire("AA8100420C646D" + "AA400000709F" + "AA41011E050000000F40"),
     },
     "emulator_tf03": {
@@ -183,8 +182,7 @@ SEEDS = {
         "trigger": b"\x02" + wire("5A0603000063" + "5A040462"),
     },
     "emulator_point": {
-        "lds70a": b"\x00ID?\rPA\rMF2000\rSA2\rMW-290 290 1\rSD 0 1\rSD 2 3\rBR921600\rDT\rHW\rPR\r",
-        "ldm41e": b"\x01ID\rDM\rSDh\rSDs\rTE2\rOF-1.5\rUB1000\rAS DT\r",
+        "lds70a": b"ID\rMF2000\rSD 0 1\rSD 2 3\rBR921600\rDT\rDM\rXX\r",
     },
     "emulator_sdo": {
         "numbers": wire("4000200000000000" + "2300200012345678" + "8000200000000206"),

@@ -7,9 +7,8 @@
 #include "tests/support/in_arena.hpp"
 #include "tests/support/source_tree.hpp"
 #include "tools/eval/evaluation.hpp"
-#include "tools/eval/evaluation_report.hpp"
-#include "tools/input/tum.hpp"
-#include "tools/output/trajectory_tum.hpp"
+#include "tools/input/text_files.hpp"
+#include "tools/output/result_files.hpp"
 #include "tools/replay/replay.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #include "tests/rt/taped_head.hpp"
 
-#include "tools/drive/head_drivers.hpp"
-#include "tools/emulator/in_process_head.hpp"
+#include "tools/drive/byte_drive.hpp"
+#include "tools/emulator/emulated_head.hpp"
 
 #include <gtest/gtest.h>
 

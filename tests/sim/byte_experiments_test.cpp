@@ -8,7 +8,7 @@
 #include "tests/support/source_tree.hpp"
 #include "tools/drive/byte_drive.hpp"
 #include "tools/eval/evaluation.hpp"
-#include "tools/world/sweep.hpp"
+#include "tools/world/simulate.hpp"
 
 #include <gtest/gtest.h>
 

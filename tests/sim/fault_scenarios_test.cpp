@@ -4,11 +4,11 @@
 // 300: some 90 s of one processor), SLAMSENSOR_FAULT_FIRST the seed of the first (default 1).
 
 #include "tests/support/source_tree.hpp"
-#include "tools/drive/head_drivers.hpp"
-#include "tools/emulator/fault_fit.hpp"
+#include "tools/drive/byte_drive.hpp"
+#include "tools/emulator/fault.hpp"
 #include "tools/emulator/scenario.hpp"
 #include "tools/world/random.hpp"
-#include "tools/world/world_loader.hpp"
+#include "tools/world/world_config.hpp"
 
 #include <gtest/gtest.h>
 

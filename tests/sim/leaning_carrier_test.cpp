@@ -7,8 +7,8 @@
 #include "tests/support/source_tree.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/world/drive.hpp"
-#include "tools/world/sweep.hpp"
-#include "tools/world/world_loader.hpp"
+#include "tools/world/simulate.hpp"
+#include "tools/world/world_config.hpp"
 
 #include <gtest/gtest.h>
 

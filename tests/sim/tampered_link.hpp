@@ -1,7 +1,7 @@
 #pragma once
 
 #include "hal/transport/byte_link.hpp"
-#include "tools/emulator/in_process_head.hpp"
+#include "tools/emulator/emulated_head.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "tools/emulator/emulated_head.hpp"
-#include "tools/emulator/make_head_devices.hpp"
+#include "tools/emulator/head_devices.hpp"
 #include "tools/emulator/real_time_head.hpp"
 #include "tools/emulator/scenario.hpp"
 

@@ -1,7 +1,7 @@
 #include "core/slam.hpp"
 #include "firmware/config/list_config.hpp"
 #include "tools/commands/command.hpp"
-#include "tools/commands/config_options.hpp"
+#include "tools/commands/options.hpp"
 
 #include <CLI/CLI.hpp>
 

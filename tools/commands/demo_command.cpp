@@ -1,9 +1,8 @@
 #include "core/fix_names.hpp"
-#include "tools/commands/config_options.hpp"
-#include "tools/commands/drive_options.hpp"
-#include "tools/eval/evaluation_report.hpp"
-#include "tools/input/tum.hpp"
-#include "tools/output/trajectory_tum.hpp"
+#include "tools/commands/options.hpp"
+#include "tools/eval/evaluation.hpp"
+#include "tools/input/text_files.hpp"
+#include "tools/output/result_files.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/replay/replay_report.hpp"
 

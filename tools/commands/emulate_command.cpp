@@ -1,5 +1,5 @@
 #include "tools/commands/command.hpp"
-#include "tools/emulator/head_truth.hpp"
+#include "tools/emulator/emulated_head.hpp"
 #include "tools/emulator/real_time_head.hpp"
 #include "tools/emulator/scenario.hpp"
 #include "tools/output/number_text.hpp"

@@ -1,8 +1,8 @@
 #include "core/config.hpp"
 #include "tools/commands/command.hpp"
-#include "tools/eval/evaluation_report.hpp"
-#include "tools/input/input_error.hpp"
-#include "tools/input/tum.hpp"
+#include "tools/eval/evaluation.hpp"
+#include "tools/input/text.hpp"
+#include "tools/input/text_files.hpp"
 
 #include <CLI/CLI.hpp>
 

@@ -3,10 +3,9 @@
 #include "firmware/arena_block.hpp"
 #include "hal/stamp.hpp"
 #include "tools/commands/command.hpp"
-#include "tools/commands/config_options.hpp"
-#include "tools/commands/progress_bar.hpp"
-#include "tools/input/map_csv.hpp"
+#include "tools/commands/options.hpp"
 #include "tools/input/scan_source.hpp"
+#include "tools/input/text_files.hpp"
 #include "tools/output/write_file.hpp"
 
 #include <CLI/CLI.hpp>

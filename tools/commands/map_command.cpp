@@ -1,7 +1,7 @@
 #include "firmware/store/map_layout.hpp"
 #include "firmware/store/store_io.hpp"
 #include "tools/commands/command.hpp"
-#include "tools/output/map_info.hpp"
+#include "tools/output/result_files.hpp"
 
 #include <CLI/CLI.hpp>
 

@@ -1,10 +1,8 @@
 #include "firmware/config/daemon_config.hpp"
-#include "tools/commands/config_options.hpp"
-#include "tools/commands/progress_bar.hpp"
-#include "tools/emulator/head_truth.hpp"
-#include "tools/output/trajectory_tum.hpp"
-#include "tools/recording/record_drive.hpp"
-#include "tools/recording/record_live.hpp"
+#include "tools/commands/options.hpp"
+#include "tools/emulator/emulated_head.hpp"
+#include "tools/output/result_files.hpp"
+#include "tools/recording/record.hpp"
 
 #include <CLI/CLI.hpp>
 

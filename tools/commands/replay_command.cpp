@@ -1,13 +1,11 @@
 #include "firmware/recording/config_toml.hpp"
 #include "tools/commands/command.hpp"
-#include "tools/commands/config_options.hpp"
-#include "tools/commands/progress_bar.hpp"
-#include "tools/eval/evaluation_report.hpp"
-#include "tools/input/tum.hpp"
-#include "tools/output/trajectory_tum.hpp"
+#include "tools/commands/options.hpp"
+#include "tools/eval/evaluation.hpp"
+#include "tools/input/text_files.hpp"
+#include "tools/output/result_files.hpp"
 #include "tools/recording/recording_file.hpp"
 #include "tools/replay/replay.hpp"
-#include "tools/replay/replay_recording.hpp"
 #include "tools/replay/replay_report.hpp"
 
 #include <CLI/CLI.hpp>

@@ -1,4 +1,4 @@
-#include "tools/commands/drive_options.hpp"
+#include "tools/commands/options.hpp"
 
 #include <CLI/CLI.hpp>
 

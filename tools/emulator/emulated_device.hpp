@@ -3,9 +3,14 @@
 #include "hal/stamp.hpp"
 #include "hal/transport/can_link.hpp"
 #include "tools/emulator/fault.hpp"
+#include "tools/emulator/head_profile.hpp"
+#include "tools/world/random.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
+#include <stdexcept>
 
 namespace slamsensor::tools {
 
@@ -123,6 +128,105 @@ struct Delay {
   Stamp constant{};
   Stamp jitter{};  ///< standard deviation of a normal, cut at 4 of it to both sides, and the whole never
                    ///< negative
+};
+
+/// Draws the delays of one kind, one after the other.
+class DelayDraw {
+ public:
+  DelayDraw(const Delay& delay, std::uint64_t seed) : delay_(delay), rng_(seed) {}
+
+  /// A new delay: constant plus normal jitter cut at 4 standard deviations, at least 0. Draws nothing without
+  /// jitter.
+  [[nodiscard]] Stamp draw() {
+    if (delay_.jitter == Stamp::zero()) {
+      return std::max(delay_.constant, Stamp::zero());
+    }
+    const double sigmas = std::clamp(draw_normal(rng_), -4.0, 4.0);
+    const Stamp jitter(std::llround(sigmas * static_cast<double>(delay_.jitter.count())));
+    return std::max(delay_.constant + jitter, Stamp::zero());
+  }
+
+ private:
+  Delay delay_;
+  Random rng_;
+};
+
+/// A line with the emulated devices on it: what happens on it happens in the order of time.
+class DeviceLine {
+ public:
+  DeviceLine() = default;
+  DeviceLine(const DeviceLine&) = delete;
+  DeviceLine& operator=(const DeviceLine&) = delete;
+  virtual ~DeviceLine() = default;
+
+  /// The earliest time at which something happens by itself in a device or to the host's sendings;
+  /// hal::kNever when nothing is due. What arrives at the host is no event: it waits to be taken.
+  [[nodiscard]] virtual Stamp next_event() const = 0;
+
+  /// When the next byte or frame arrives at the host; hal::kNever when nothing is on its way.
+  [[nodiscard]] virtual Stamp next_delivery() const = 0;
+
+  /// Everything up to and including `now` has happened. `now` never decreases.
+  virtual void advance(Stamp now) = 0;
+
+  /// Lets `fault` begin at its time, to which the line was advanced; false when neither the line nor a device
+  /// on it knows the kind.
+  virtual bool inject(const Fault& fault) = 0;
+};
+
+/// Ends a program whose device asks for the same moment again and again, instead of hanging.
+class EventGuard {
+ public:
+  /// Throws std::logic_error after 100,000 events at one moment.
+  void count(Stamp event) {
+    repeats_ = event == last_ ? repeats_ + 1 : 0;
+    last_ = event;
+    if (repeats_ > kRepeatsMax) {
+      throw std::logic_error("an emulated device stays at one moment: next_event() does not get on");
+    }
+  }
+
+ private:
+  static constexpr int kRepeatsMax = 100'000;
+  Stamp last_ = Stamp::min();
+  int repeats_ = 0;
+};
+
+/// Runs `step(t)` for every event of `line` up to `now`, in order.
+template <typename Line, typename Step>
+void run_events(const Line& line, EventGuard& guard, Stamp now, Step step) {
+  for (Stamp event = line.next_event(); event <= now; event = line.next_event()) {
+    guard.count(event);
+    step(event);
+  }
+}
+
+/// The time of an in-process run. Whoever runs the loop moves it, never backwards.
+struct SimClock {
+  hal::Stamp now{};
+};
+
+/// Whether a device runs, and when it will: power comes, a boot time passes, it runs.
+class PowerSwitch {
+ public:
+  /// The power comes at time 0, or the device has long been running.
+  PowerSwitch(DeviceBegin begin, Stamp boot_time)
+      : boot_time_(boot_time), up_at_(begin == DeviceBegin::Ready ? hal::kNever : boot_time) {}
+
+  [[nodiscard]] bool is_up() const { return up_at_ == hal::kNever; }
+
+  /// When the device will be up; hal::kNever when it is.
+  [[nodiscard]] Stamp next() const { return up_at_; }
+
+  /// No power before `until`.
+  void cut(Stamp until) { up_at_ = std::max(is_up() ? Stamp::min() : up_at_, until + boot_time_); }
+
+  /// next() has come.
+  void go_up() { up_at_ = hal::kNever; }
+
+ private:
+  Stamp boot_time_;
+  Stamp up_at_;
 };
 
 }  // namespace slamsensor::tools

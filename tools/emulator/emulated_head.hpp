@@ -1,22 +1,81 @@
 #pragma once
 
-#include "tools/emulator/fault_plan.hpp"
+#include "hal/transport/byte_link.hpp"
+#include "hal/transport/can_link.hpp"
+#include "tools/emulator/emulated_device.hpp"
+#include "tools/emulator/emulated_port.hpp"
+#include "tools/emulator/fault.hpp"
 #include "tools/emulator/head_devices.hpp"
-#include "tools/emulator/head_scene.hpp"
-#include "tools/emulator/sim_clock.hpp"
-#include "tools/emulator/stand_plan.hpp"
+#include "tools/emulator/memory_can_bus.hpp"
+#include "tools/emulator/scenario.hpp"
+#include "tools/output/write_file.hpp"
+#include "tools/world/random.hpp"
+#include "tools/world/simulate.hpp"
 #include "tools/world/world.hpp"
 
 #include <tl/expected.hpp>
 
 #include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace slamsensor::tools {
+
+/// The truth of one reading that went out.
+struct ShotTruth {
+  Stamp measured{};   ///< when the laser fired
+  Stamp on_wire{};    ///< when the device began to send the reading
+  HeadAngles angles;  ///< of the head when the laser fired
+  Target target;      ///< what the device was given to measure
+};
+
+struct HeadSceneConfig {
+  SweepConfig mount;            ///< height, roll and pitch of the mount; the rest is not used
+  double drop_out_share = 0.0;  ///< chance that a shot is lost; the world's own should be 0
+  std::uint64_t seed = 1;       ///< of noise and drop-outs
+  std::size_t truth_max = 0;    ///< readings whose truth is kept; the oldest go first
+};
+
+/// The world as the rangefinder on a pan-tilt unit sees it: every shot goes where the unit truly points at
+/// that moment, from the place where the sensor then stands.
+class HeadScene final : public RangeScene {
+ public:
+  /// `world` outlives the scene.
+  HeadScene(const World& world, const HeadSceneConfig& config);
+
+  /// Shots go where `pointing` says from now on; it outlives the scene's use. Before: straight ahead.
+  void watch(const PointingTruth& pointing) { pointing_ = &pointing; }
+
+  /// The mount stands at `pose_W` from now on.
+  void stand_at(const core::Pose2& pose_W);
+
+  [[nodiscard]] Target shoot(Stamp at) override;
+  void reported(Stamp measured, Stamp on_wire) override;
+
+  /// Moves out the truth of the readings reported since the last call, in the order of time, at most
+  /// `truth_max`.
+  [[nodiscard]] std::vector<ShotTruth> take_truth();
+
+ private:
+  const World& world_;
+  HeadSceneConfig config_;
+  SensorPlace place_;
+  const PointingTruth* pointing_ = nullptr;
+  Random noise_;
+  Random drop_outs_;
+  std::deque<ShotTruth> pending_;  // fired and not yet reported
+  std::deque<ShotTruth> truth_;
+};
+
+/// A plausible reflectance of `surface` in the near infrared, 0 to 1.
+[[nodiscard]] double reflectance_of(Surface surface) noexcept;
 
 struct Scenario;
 
@@ -108,5 +167,58 @@ class EmulatedHead {
   std::vector<VisitRecord> visits_;
   std::vector<FaultRecord> faults_;
 };
+
+/// An EmulatedHead with links for the drivers of its devices, all in simulated time:
+///
+///     auto run = InProcessHead::create(scenario);              // refused: error().message
+///     hal::Ptu ptu(*(*run)->ptu_bytes(), config);              // a driver on its link
+///     while ((*run)->now() < end) {
+///       (*run)->advance((*run)->now() + std::chrono::milliseconds(1));
+///       ptu.step((*run)->now());
+///       if (scan_has_ended) (*run)->head().next_stand();
+///     }
+class InProcessHead {
+ public:
+  [[nodiscard]] static tl::expected<std::unique_ptr<InProcessHead>, WorldError> create(
+      const Scenario& scenario);
+  [[nodiscard]] static tl::expected<std::unique_ptr<InProcessHead>, WorldError> create(
+      const Scenario& scenario, const DeviceMaker& make);
+
+  [[nodiscard]] EmulatedHead& head() noexcept { return *head_; }
+  [[nodiscard]] Stamp now() const noexcept { return head_->clock().now; }
+
+  /// Everything up to `now` has happened; what has arrived by then can be read from the links.
+  void advance(Stamp now) { head_->advance(now); }
+
+  /// The link to a device: bytes or CAN frames, the other one null.
+  [[nodiscard]] hal::ByteLink* ptu_bytes() noexcept { return ptu_bytes_.get(); }
+  [[nodiscard]] hal::CanLink* ptu_can() noexcept { return ptu_can_.get(); }
+  [[nodiscard]] hal::ByteLink* rangefinder_bytes() noexcept { return rangefinder_bytes_.get(); }
+  [[nodiscard]] hal::CanLink* rangefinder_can() noexcept { return rangefinder_can_.get(); }
+
+ private:
+  InProcessHead(std::unique_ptr<EmulatedHead> head, const Scenario& scenario);
+
+  std::unique_ptr<EmulatedHead> head_;
+  std::unique_ptr<MemoryLink> ptu_bytes_;
+  std::unique_ptr<MemoryLink> rangefinder_bytes_;
+  std::unique_ptr<MemoryCanLink> ptu_can_;
+  std::unique_ptr<MemoryCanLink> rangefinder_can_;
+};
+
+/// Where the sensor was put, as a trajectory in the format of the TUM RGB-D benchmark: a line per stand and
+/// kidnap, t the time in s at which it got there, counted from `origin` (the clock's time at the head's 0).
+[[nodiscard]] std::string format_visits(const EmulatedHead& head, Stamp origin);
+
+/// `t_s,event,device,fault,duration_s,known`: a line per stand, kidnap and fault, in the order of time. An
+/// event is "stand", "kidnap" or "fault"; known is 0 for a fault that the device does not have.
+[[nodiscard]] std::string format_events(const EmulatedHead& head, Stamp origin);
+
+/// "run.tum" has its events in "run.events.csv".
+[[nodiscard]] std::filesystem::path events_path(const std::filesystem::path& truth);
+
+/// Both are written, the second beside the first.
+[[nodiscard]] tl::expected<void, OutputError> write_truth(const EmulatedHead& head, Stamp origin,
+                                                          const std::filesystem::path& truth);
 
 }  // namespace slamsensor::tools

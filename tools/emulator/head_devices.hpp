@@ -3,6 +3,9 @@
 #include "tools/emulator/emulated_device.hpp"
 #include "tools/emulator/emulated_port.hpp"
 #include "tools/emulator/memory_can_bus.hpp"
+#include "tools/world/world_config.hpp"
+
+#include <tl/expected.hpp>
 
 #include <memory>
 #include <string_view>
@@ -26,5 +29,13 @@ struct HeadDevices {
   std::unique_ptr<EmulatedDevice> inclinometer;  ///< null: there is none
   const PointingTruth* pointing = nullptr;       ///< the unit's
 };
+
+struct Scenario;
+
+/// The devices of the scenario's head profile, switched on at time 0, each with its own random stream of the
+/// scenario's seed; the rangefinder shoots into `scene`, which outlives them. Refused when a device cannot be
+/// set up as the profile says.
+[[nodiscard]] tl::expected<HeadDevices, WorldError> make_head_devices(const Scenario& scenario,
+                                                                      RangeScene& scene);
 
 }  // namespace slamsensor::tools

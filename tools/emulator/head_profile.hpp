@@ -114,7 +114,18 @@ enum class HeadKind : std::uint8_t {
   Fast,  ///< FastE at 115200 baud and an LW20 of 20,000 readings/s at 921600 baud: a scan of 17 lines in 15 s
 };
 
-[[nodiscard]] HeadProfile head_profile(HeadKind kind) noexcept;
+[[nodiscard]] inline HeadProfile head_profile(HeadKind kind) noexcept {
+  HeadProfile profile;
+  if (kind == HeadKind::Fast) {
+    profile.ptu.unit = PanTiltModel::FastE;
+    profile.ptu.baud = 115'200;
+    profile.ptu.reset_s = 2.0;
+    profile.rangefinder.unit = RangefinderModel::Lw20;
+    profile.rangefinder.baud = 921'600;
+    profile.rangefinder.rate_hz = 20'000.0;
+  }
+  return profile;
+}
 
 [[nodiscard]] constexpr bool is_on_bus(PanTiltModel unit) noexcept {
   return unit == PanTiltModel::CanOpen;

@@ -1,6 +1,8 @@
 #pragma once
 
-#include "tools/emulator/device_line.hpp"
+#include "hal/transport/can_link.hpp"
+#include "hal/transport/reopen.hpp"
+#include "tools/emulator/emulated_device.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -10,6 +12,17 @@
 #include <vector>
 
 namespace slamsensor::tools {
+
+/// Bits that a classical data frame takes on the bus, stuff bits and the intermission of 3 bits included
+/// (ISO 11898-1: a bit of opposite level after five equal ones, from start of frame to the checksum's end).
+[[nodiscard]] std::size_t can_frame_bits(const hal::CanFrame& frame);
+
+/// The same as a length of time at `bitrate` bit/s (positive), rounded down to the nanosecond.
+[[nodiscard]] hal::Stamp can_frame_time(const hal::CanFrame& frame, std::uint32_t bitrate);
+
+/// What decides which of two frames goes first when both want the bus: the smaller one. A base frame goes
+/// before an extended one with the same first 11 bits.
+[[nodiscard]] std::uint32_t arbitration_key(const hal::CanFrame& frame) noexcept;
 
 /// A CAN bus in memory: frames take their bits' time, one at a time; when several nodes want the bus, the
 /// lowest identifier goes first. A node's own frames keep their order. Every node sees the frames of all
@@ -89,6 +102,34 @@ class MemoryCanBus final : public DeviceLine {
   std::uint32_t lost_frames_ = 0;  // still to be lost
   std::uint64_t overruns_ = 0;
   EventGuard guard_;
+};
+
+/// A host on a MemoryCanBus in simulated time, with the manners of a CAN socket: opened by service(), lost
+/// with the interface or the bus, opened again with back-off. The bus was advanced to the clock's time before
+/// each call. It hands out every frame.
+class MemoryCanLink final : public hal::CanLink {
+ public:
+  /// Both outlive the link.
+  MemoryCanLink(MemoryCanBus& bus, const SimClock& clock, const hal::ReopenConfig& reopen = {});
+
+  void service(hal::Stamp now) noexcept override;
+  [[nodiscard]] std::uint32_t epoch() const noexcept override { return epoch_; }
+  [[nodiscard]] bool is_up() const noexcept override { return up_; }
+  [[nodiscard]] hal::CanRead receive() noexcept override;
+
+  /// Down also for a frame that no CAN bus takes: an identifier or a size beyond its bits.
+  [[nodiscard]] hal::LinkStatus send(const hal::CanFrame& frame) noexcept override;
+
+ private:
+  bool is_lost() noexcept;
+
+  MemoryCanBus& bus_;
+  const SimClock& clock_;
+  std::size_t host_;
+  hal::ReopenTimer timer_;
+  std::uint32_t epoch_ = 0;
+  std::uint32_t up_count_ = 0;  // of the bus when it was opened
+  bool up_ = false;
 };
 
 }  // namespace slamsensor::tools

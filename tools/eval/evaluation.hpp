@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/geometry/pose2.hpp"
-#include "tools/eval/timed_pose.hpp"
 
 #include <tl/expected.hpp>
 
@@ -14,6 +13,27 @@
 #include <vector>
 
 namespace slamsensor::tools {
+
+/// A pose and the time it belongs to: `t` in seconds as the file gives it, `pose` the sensor in the
+/// frame of the file (metres, radians). Shared by the trajectory reader and the evaluation.
+struct TimedPose {
+  double t = 0.0;
+  core::Pose2 pose;
+};
+
+/// A fix and the true pose it belongs to.
+struct PosePair {
+  core::Pose2 truth;
+  core::Pose2 estimate;
+};
+
+/// The motion that takes the first estimate exactly onto its true pose. `pairs` is not empty.
+[[nodiscard]] core::Pose2 align_first(std::span<const PosePair> pairs);
+
+/// The rigid motion that takes the estimated positions onto the true ones with the least sum of squared
+/// distances (Umeyama, without scale). Where all positions of either side are one place, the rotation is the
+/// mean of the heading differences. `pairs` is not empty.
+[[nodiscard]] core::Pose2 align_least_squares(std::span<const PosePair> pairs);
 
 /// When a fix is wrong, and how it finds its true pose.
 struct EvaluationConfig {
@@ -81,5 +101,13 @@ struct EvaluationError {
 [[nodiscard]] tl::expected<Evaluation, EvaluationError> evaluate(std::span<const TimedPose> truth,
                                                                  std::span<const TimedPose> trajectory,
                                                                  const EvaluationConfig& config = {});
+
+/// The evaluation for people: a few aligned lines, metres and degrees, the official figures first.
+[[nodiscard]] std::string evaluation_text(const Evaluation& evaluation);
+
+/// The evaluation for programs: one JSON object, keys always in the same order, metres and degrees as the
+/// keys say, ending in a newline. `first_fix` and `least_squares` are null without a fix that has a true
+/// pose; the top level's `wrong_fixes` is the official one.
+[[nodiscard]] std::string evaluation_json(const Evaluation& evaluation);
 
 }  // namespace slamsensor::tools

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "tools/input/input_error.hpp"
 #include "tools/input/text.hpp"
 
 #include <tl/expected.hpp>

@@ -1,21 +1,100 @@
 #include "tools/input/pcd.hpp"
 
-#include "tools/input/input_scan.hpp"
-#include "tools/input/lzf.hpp"
+#include "core/detection/levelling.hpp"
 #include "tools/input/pcd_header.hpp"
-#include "tools/input/pcd_values.hpp"
-#include "tools/input/text.hpp"
+#include "tools/input/scan_source.hpp"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
+#include <liblzf/lzf.h>
 #include <limits>
+#include <map>
+#include <numbers>
 #include <optional>
-#include <string>
 #include <utility>
 
 namespace slamsensor::tools {
 namespace {
+
+/// One field of all points of a cloud, as bytes: the value of point i starts `first_bytes + i * step_bytes`
+/// into `bytes`.
+struct PcdColumn {
+  std::string_view bytes;
+  std::size_t first_bytes = 0;
+  std::size_t step_bytes = 0;
+  PcdType type = PcdType::Float;
+  std::size_t size_bytes = 0;
+
+  /// The value of point `i` as a double (exact but for 64-bit integers beyond 2^53); NaN when it is not
+  /// within `bytes`.
+  [[nodiscard]] double value(std::size_t i) const;
+};
+
+static_assert(std::endian::native == std::endian::little, "PCD files are little-endian and read as they are");
+
+template <typename T>
+double load(std::string_view bytes) {
+  T value{};
+  std::memcpy(&value, bytes.data(), sizeof value);
+  return static_cast<double>(value);
+}
+
+double load_signed(std::string_view bytes) {
+  switch (bytes.size()) {
+    case 1:
+      return load<std::int8_t>(bytes);
+    case 2:
+      return load<std::int16_t>(bytes);
+    case 4:
+      return load<std::int32_t>(bytes);
+    default:
+      return load<std::int64_t>(bytes);
+  }
+}
+
+double load_unsigned(std::string_view bytes) {
+  switch (bytes.size()) {
+    case 1:
+      return load<std::uint8_t>(bytes);
+    case 2:
+      return load<std::uint16_t>(bytes);
+    case 4:
+      return load<std::uint32_t>(bytes);
+    default:
+      return load<std::uint64_t>(bytes);
+  }
+}
+
+double PcdColumn::value(std::size_t i) const {
+  const std::size_t at = first_bytes + i * step_bytes;
+  if (at > bytes.size() || size_bytes > bytes.size() - at) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const std::string_view one = bytes.substr(at, size_bytes);
+  switch (type) {
+    case PcdType::Signed:
+      return load_signed(one);
+    case PcdType::Unsigned:
+      return load_unsigned(one);
+    case PcdType::Float:
+      break;
+  }
+  return size_bytes == sizeof(float) ? load<float>(one) : load<double>(one);
+}
+
+/// The column of `field` in points of `stride_bytes` that follow each other (DATA binary).
+PcdColumn column_of_points(std::string_view bytes, const PcdField& field, std::size_t stride_bytes) {
+  return {bytes, field.offset_bytes, stride_bytes, field.type, field.size_bytes};
+}
+
+/// The column of `field` in fields that follow each other, all points of the first before the second's (what
+/// binary_compressed unpacks to); `first_bytes` is where it starts.
+PcdColumn column_of_fields(std::string_view bytes, const PcdField& field, std::size_t first_bytes) {
+  return {bytes, first_bytes, field.total_bytes(), field.type, field.size_bytes};
+}
 
 using Status = tl::expected<void, InputError>;
 
@@ -237,6 +316,24 @@ tl::expected<PackedSizes, InputError> packed_sizes(std::string_view body, const 
   return PackedSizes{sizes[0], sizes[1]};
 }
 
+/// Three bytes of LZF stand for at most 264: nothing expands by more than this.
+constexpr std::size_t kLzfExpansionMax = 88;
+
+/// The `size_bytes` bytes that `packed` stands for in the LZF format; nothing when they are not exactly that
+/// many. A size beyond what `packed` could expand to is refused before it is allocated.
+std::optional<std::vector<char>> unpack_lzf(std::string_view packed, std::size_t size_bytes) {
+  if (size_bytes / kLzfExpansionMax > packed.size()) {
+    return std::nullopt;
+  }
+  std::vector<char> bytes(size_bytes);
+  if (packed.empty()) {
+    return bytes;
+  }
+  const unsigned unpacked = lzf_decompress(packed.data(), static_cast<unsigned>(packed.size()), bytes.data(),
+                                           static_cast<unsigned>(bytes.size()));
+  return unpacked == size_bytes && unpacked > 0 ? std::optional(std::move(bytes)) : std::nullopt;
+}
+
 Status read_compressed(std::string_view body, const PcdHeader& header, std::string_view name,
                        PointCloud& cloud) {
   const auto sizes = packed_sizes(body, header, name);
@@ -290,6 +387,96 @@ tl::expected<PointCloud, InputError> parse_pcd(std::string_view bytes, std::stri
     return tl::unexpected(std::move(status.error()));
   }
   return cloud;
+}
+
+namespace {
+
+constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+
+using Scanline = std::vector<core::Reading>;
+
+double pan_rad(const Eigen::Vector3d& p) {
+  const double angle_rad = std::atan2(p.y(), p.x());
+  const double turned_rad = angle_rad < 0.0 ? angle_rad + kTurn_rad : angle_rad;
+  return turned_rad < kTurn_rad ? turned_rad : 0.0;  // a tiny negative angle rounds up to the full turn
+}
+
+core::Reading reading_of(const Eigen::Vector3d& p) {
+  return {pan_rad(p), std::atan2(p.z(), p.head<2>().norm()), p.norm()};
+}
+
+// The circle in columns of one width but for the last, which the turn cuts off.
+class ColumnCircle {
+ public:
+  explicit ColumnCircle(double step_rad)
+      : step_rad_(step_rad), count_(static_cast<std::size_t>(std::ceil(kTurn_rad / step_rad))) {}
+
+  std::size_t count() const { return count_; }
+
+  std::size_t column_of(double angle_rad) const {
+    return std::min(static_cast<std::size_t>(std::floor(angle_rad / step_rad_)), count_ - 1);
+  }
+
+  double centre_rad(std::size_t column) const {
+    const double first_rad = static_cast<double>(column) * step_rad_;
+    return 0.5 * (first_rad + std::min(first_rad + step_rad_, kTurn_rad));
+  }
+
+ private:
+  double step_rad_;
+  std::size_t count_;
+};
+
+Scanline with_absent_columns(const Scanline& scanline, const ColumnCircle& columns) {
+  Scanline full;
+  full.reserve(scanline.size() + columns.count());
+  double tilt_rad = scanline.back().tilt_rad;  // before column 0 comes the end of the turn
+  std::size_t next = 0;
+  for (std::size_t column = 0; column < columns.count(); ++column) {
+    const std::size_t first = next;
+    for (; next < scanline.size() && columns.column_of(scanline[next].pan_rad) == column; ++next) {
+      full.push_back(scanline[next]);
+      tilt_rad = scanline[next].tilt_rad;
+    }
+    if (next == first) {
+      full.push_back({columns.centre_rad(column), tilt_rad, core::Reading::kNoReturn});
+    }
+  }
+  return full;
+}
+
+}  // namespace
+
+tl::expected<std::vector<Scanline>, InputError> scanlines_of_cloud(const PointCloud& cloud,
+                                                                   const firmware::PointCloudConfig& config,
+                                                                   double bearing_step_rad,
+                                                                   std::string_view name) {
+  const Eigen::Matrix3d R_level_L = core::level_from_sensor({config.roll_rad, config.pitch_rad});
+  std::map<std::int64_t, Scanline> by_key;
+  for (const CloudPoint& point : cloud.points) {
+    const core::Reading reading = reading_of(R_level_L * point.position_L);
+    const std::int64_t key =
+        cloud.has_ring ? std::int64_t{point.ring}
+                       : static_cast<std::int64_t>(std::llround(reading.tilt_rad / config.tilt_step_rad));
+    by_key[key].push_back(reading);
+  }
+  const ColumnCircle columns(bearing_step_rad);
+  const std::size_t absent = config.absent_is_no_return ? columns.count() : 0;
+  if (cloud.points.size() + by_key.size() * absent > kCloudReadingsMax) {
+    return refuse(name, "makes " + std::to_string(by_key.size()) + " scanlines of " + std::to_string(absent) +
+                            " columns and " + std::to_string(cloud.points.size()) + " points, more than " +
+                            std::to_string(kCloudReadingsMax) +
+                            " readings; check the ring field, or configure larger steps");
+  }
+  std::vector<Scanline> scanlines;
+  scanlines.reserve(by_key.size());
+  for (auto& [key, scanline] : by_key) {
+    std::stable_sort(scanline.begin(), scanline.end(),
+                     [](const core::Reading& a, const core::Reading& b) { return a.pan_rad < b.pan_rad; });
+    scanlines.push_back(config.absent_is_no_return ? with_absent_columns(scanline, columns)
+                                                   : std::move(scanline));
+  }
+  return scanlines;
 }
 
 }  // namespace slamsensor::tools

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tools/input/input_error.hpp"
+#include "tools/input/text.hpp"
 
 #include <Eigen/Geometry>
 #include <tl/expected.hpp>

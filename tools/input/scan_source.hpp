@@ -1,20 +1,82 @@
 #pragma once
 
+#include "core/landmark.hpp"
+#include "core/reading.hpp"
 #include "firmware/config/config.hpp"
-#include "tools/input/input_error.hpp"
-#include "tools/input/input_scan.hpp"
-#include "tools/input/scan_files.hpp"
+#include "tools/input/text.hpp"
 
 #include <tl/expected.hpp>
 
+#include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace slamsensor::tools {
+
+/// A scan's number may be its time in seconds (core::ScanTime); larger ones do not fit its nanoseconds.
+inline constexpr std::int64_t kScanNumberMax = 9'000'000'000;
+
+/// A coordinate or range beyond this comes from a broken file, not from a rangefinder.
+inline constexpr double kInputReach_m = 10'000.0;
+
+/// One scan as an input file holds it: scanlines of readings, or landmarks that were found elsewhere.
+struct InputScan {
+  std::int64_t number = 0;          ///< from the file's name, or the list's scan column
+  std::chrono::nanoseconds time{};  ///< the stamp in the file's name; without one the number in seconds
+  std::string name;                 ///< for messages: "campus/scan_001.pcd", "landmarks.csv: scan 7"
+  bool is_landmark_list = false;
+  std::vector<std::vector<core::Reading>> scanlines;  ///< each in the order of the sweep
+  std::vector<core::ScanLandmark> landmarks;
+  std::size_t points_skipped = 0;  ///< of a cloud: without direction (a coordinate NaN, or all zero)
+  std::string remark;              ///< one line on what of its file was not read; empty when all was
+};
+
+enum class ScanFileKind : std::uint8_t { Cloud, Readings, Landmarks };
+
+/// A file that holds scans.
+struct ScanFile {
+  std::filesystem::path path;
+  ScanFileKind kind = ScanFileKind::Cloud;
+};
+
+/// Whether what was not read may have been a scan that is missing now.
+enum class NotReadKind : std::uint8_t {
+  Companion,  ///< what lies beside scans: a truth, settings, a map, pictures, texts, hidden files
+  Missed,     ///< anything else
+};
+
+/// An entry of a folder that is not read.
+struct NotRead {
+  std::filesystem::path path;
+  std::string reason;
+  NotReadKind kind = NotReadKind::Missed;
+};
+
+/// What the inputs of a replay come to.
+struct ScanFiles {
+  std::vector<ScanFile> scans;    ///< as the inputs were given; those of a folder by name
+  std::vector<NotRead> not_read;  ///< all other entries of the folders, by name
+};
+
+/// What the header of a CSV says that it holds.
+enum class CsvKind : std::uint8_t { Empty, Readings, Landmarks, Map, Other };
+
+/// Told from the header, however its columns are parted and quoted: a column of readings, or `scan` with
+/// `x_m`, or a map's `id` with `x_m`.
+[[nodiscard]] CsvKind csv_kind(std::string_view text);
+
+/// The files that `inputs` (files and folders) name. Every entry of a folder is either a scan or listed as
+/// not read, with its reason. An error when there is no input, one does not exist or cannot be read, a file
+/// is of no known kind, or a folder holds no scan.
+[[nodiscard]] tl::expected<ScanFiles, InputError> find_scan_files(
+    std::span<const std::filesystem::path> inputs);
 
 /// The scans of one or more inputs, in the order of their times, one at a time: a cloud or a file of readings
 /// is in memory only while it is handed out. One thread.

@@ -1,10 +1,85 @@
 #include "tools/input/text.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <charconv>
+#include <cstring>
+#include <fstream>
 #include <system_error>
 
 namespace slamsensor::tools {
+tl::unexpected<InputError> refuse(std::string_view name, std::string_view what) {
+  std::string message(name);
+  message.append(": ").append(what);
+  return tl::unexpected<InputError>(InputError{std::move(message)});
+}
+
+tl::unexpected<InputError> refuse_line(std::string_view name, std::size_t line, std::string_view what) {
+  return refuse(std::string(name) + ":" + std::to_string(line), what);
+}
+
+tl::expected<void, InputError> check_encoding(std::string_view start, std::string_view name) {
+  constexpr std::size_t kLookedAtBytes = 64;  // UTF-16 without a mark has a zero in each pair of bytes
+  const bool has_mark = start.starts_with("\xFF\xFE") || start.starts_with("\xFE\xFF");
+  if (has_mark || start.substr(0, kLookedAtBytes).find('\0') != std::string_view::npos) {
+    return refuse(name, "is text in UTF-16, or no text; save it as UTF-8");
+  }
+  return {};
+}
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t kShownMax = 40;
+  std::string result = "'";
+  for (const char c : text.substr(0, kShownMax)) {
+    result += (c >= ' ' && c <= '~') ? c : '?';
+  }
+  result += text.size() > kShownMax ? "...'" : "'";
+  return result;
+}
+
+std::string shown(double value) {
+  std::array<char, 32> digits{};
+  const auto end =
+      std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::general, 6);
+  return std::string(digits.data(), end.ptr);
+}
+
+tl::expected<std::string, InputError> read_file(const std::filesystem::path& path, std::size_t bytes_max) {
+  const std::string name = path.string();
+  std::error_code error;
+  // A pipe or a terminal would block here, and a device may never end.
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) {
+    return refuse(name, "does not exist; check the path");
+  }
+  if (!std::filesystem::status_known(status)) {
+    return refuse(name, "cannot be opened: " + error.message());
+  }
+  if (!std::filesystem::is_regular_file(status)) {
+    return refuse(name, "is not a regular file; give the name of a file");
+  }
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) {
+    return refuse(name, "its size cannot be read: " + error.message());
+  }
+  if (bytes_max >= kFileBytesMax && size > kFileBytesMax) {
+    return refuse(name, "has " + std::to_string(size) + " bytes, at most " + std::to_string(kFileBytesMax) +
+                            " are read; split it");
+  }
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    return refuse(name, std::string("cannot be opened: ") + std::strerror(errno));
+  }
+  std::string bytes(static_cast<std::size_t>(std::min<std::uintmax_t>(size, bytes_max)), '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (file.bad()) {
+    return refuse(name, std::string("cannot be read: ") + std::strerror(errno));
+  }
+  bytes.resize(static_cast<std::size_t>(file.gcount()));  // it may have been cut since its size was asked for
+  return bytes;
+}
+
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";

@@ -1,11 +1,45 @@
 #pragma once
 
+#include <tl/expected.hpp>
+
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace slamsensor::tools {
+
+/// Why an input was refused: what, where (file, line or byte) and what to do, in one line.
+struct InputError {
+  std::string message;
+};
+
+/// A refusal that says `what` about `name` as a whole: "NAME: WHAT".
+[[nodiscard]] tl::unexpected<InputError> refuse(std::string_view name, std::string_view what);
+
+/// A refusal that says `what` about one line (counted from 1): "NAME:LINE: WHAT".
+[[nodiscard]] tl::unexpected<InputError> refuse_line(std::string_view name, std::size_t line,
+                                                     std::string_view what);
+
+/// An error when the file that begins with `start` is UTF-16, as spreadsheets and Windows write it on
+/// request.
+[[nodiscard]] tl::expected<void, InputError> check_encoding(std::string_view start, std::string_view name);
+
+/// `text` as a message may show it: in quotes, control and non-ASCII bytes as '?', cut after 40 characters.
+[[nodiscard]] std::string in_quotes(std::string_view text);
+
+/// `value` as a message shows it: up to six significant digits, no trailing zeros ("10000", "0.5").
+[[nodiscard]] std::string shown(double value);
+
+/// Larger files are refused before anything is allocated for them.
+inline constexpr std::size_t kFileBytesMax = std::size_t{2} << 30;
+
+/// The bytes of a regular file, at most the first `bytes_max`. An error when it does not exist, is not a
+/// regular file, cannot be read, or (when asked for all of it) is larger than kFileBytesMax.
+[[nodiscard]] tl::expected<std::string, InputError> read_file(const std::filesystem::path& path,
+                                                              std::size_t bytes_max = kFileBytesMax);
 
 /// The number that `text` is, all of it: decimal point whatever the locale, an exponent and a leading '+'
 /// allowed. May be NaN or infinite when it is written so; nothing when it is not a number or does not fit a

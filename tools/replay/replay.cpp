@@ -1,14 +1,119 @@
 #include "tools/replay/replay.hpp"
 
-#include "tools/input/scan_source.hpp"
-#include "tools/replay/replay_run.hpp"
+#include "firmware/lcm/pose_message.hpp"
+#include "firmware/pipeline.hpp"
+#include "firmware/store/map_file.hpp"
+#include "hal/stamp.hpp"
+#include "tools/recording/playback.hpp"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <iterator>
+#include <map>
 #include <utility>
+#include <variant>
 
 namespace slamsensor::tools {
 namespace {
+
+/// The making of a Replay: a pipeline, and a row for each scan that goes through it.
+class ReplayRun {
+ public:
+  ReplayRun(const firmware::Config& config, ReplayClock clock)
+      : capacities_(config.core.capacities),
+        deadline_(hal::from_seconds(config.daemon.realtime.slam_deadline_s)),
+        clock_(clock),
+        pipeline_(config.core) {}
+
+  [[nodiscard]] firmware::Pipeline& pipeline() { return pipeline_; }
+  /// What was gathered so far.
+  [[nodiscard]] Replay& result() { return result_; }
+
+  /// Takes the fix that `localise` makes of scan `number` within the deadline that it is given, and its
+  /// time; `t_s` goes to the trajectory.
+  const FixRow& add(std::int64_t number, double t_s,
+                    const std::function<core::Fix(const core::Deadline&)>& localise);
+
+  /// The run with its map, whose scans are named as the rows are; a scan of before the run is -1.
+  [[nodiscard]] Replay finish();
+
+ private:
+  struct Named {
+    std::int64_t number = 0;
+    double t_s = 0.0;
+  };
+
+  [[nodiscard]] core::Deadline deadline_from(std::chrono::steady_clock::time_point begin) const;
+  [[nodiscard]] std::int64_t number_of(std::uint32_t scan) const;
+  void take_map(const core::Slam& slam);
+
+  core::Capacities capacities_;
+  std::chrono::nanoseconds deadline_;
+  ReplayClock clock_;
+  firmware::Pipeline pipeline_;
+  Replay result_;
+  std::map<std::uint32_t, Named> scans_;  // by core::Fix::scan
+};
+
+std::chrono::nanoseconds steady_now(void*) noexcept {
+  return std::chrono::steady_clock::now().time_since_epoch();
+}
+
+core::Deadline ReplayRun::deadline_from(std::chrono::steady_clock::time_point begin) const {
+  return clock_ == ReplayClock::Off
+             ? core::Deadline{}
+             : core::Deadline{steady_now, nullptr, begin.time_since_epoch() + deadline_};
+}
+
+const FixRow& ReplayRun::add(std::int64_t number, double t_s,
+                             const std::function<core::Fix(const core::Deadline&)>& localise) {
+  const auto begin = std::chrono::steady_clock::now();
+  FixRow row;
+  row.scan = number;
+  row.t_s = t_s;
+  row.fix = localise(deadline_from(begin));
+  row.milliseconds =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  scans_[row.fix.scan] = {number, t_s};  // after a reset the scans are counted anew
+  return result_.rows.emplace_back(row);
+}
+
+std::int64_t ReplayRun::number_of(std::uint32_t scan) const {
+  const auto found = scans_.find(scan);
+  return found != scans_.end() ? found->second.number : -1;
+}
+
+void ReplayRun::take_map(const core::Slam& slam) {
+  std::vector<core::MapLandmark> landmarks(capacities_.map_landmarks);
+  std::vector<core::Point2> positions_W(capacities_.map_landmarks, core::Point2::Zero());
+  std::vector<core::PathPose> path(capacities_.path_poses);
+  const core::MapState map = slam.copy_map({landmarks, positions_W, path});
+  const std::uint32_t last_in_map = map.path.empty() ? 0 : map.path.back().scan;
+  for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
+    const core::MapLandmark& l = map.landmarks[i];
+    result_.map.push_back(
+        {l.id, map.positions_W[i], l.xi, l.sightings, number_of(l.first_scan), number_of(l.last_scan)});
+    result_.matched.push_back(l.last_scan == last_in_map && l.first_scan != last_in_map);
+  }
+  for (const core::PathPose& pose : map.path) {
+    if (const auto found = scans_.find(pose.scan); found != scans_.end()) {
+      result_.path.push_back({found->second.t_s, pose.pose_W});
+    }
+  }
+  result_.landmarks_evicted = map.landmarks_evicted;
+  result_.path_thinnings = map.path_thinnings;
+}
+
+Replay ReplayRun::finish() {
+  const core::Slam& slam = pipeline_.slam();
+  result_.counters = slam.counters();
+  result_.maps = slam.maps();
+  take_map(slam);
+  result_.cells_dropped = slam.detector().cells_dropped();
+  result_.readings_refused = slam.detector().readings_refused();
+  return std::move(result_);
+}
 
 core::Fix localise(const InputScan& scan, const core::ScanView& list_view, const core::Deadline& deadline,
                    firmware::Pipeline& pipeline) {
@@ -78,6 +183,172 @@ tl::expected<Replay, InputError> replay(const std::vector<std::filesystem::path>
     }
   }
   return run.finish();
+}
+
+namespace {
+
+using firmware::MapOrder;
+
+double middle_of(const core::ScanTime& time) {
+  return static_cast<double>(time.middle_utc.count()) / 1e9;
+}
+
+/// Whether two fixes say the same, bit for bit.
+bool are_alike(const core::Fix& a, const core::Fix& b) {
+  using Message = std::array<std::uint8_t, firmware::kLcmBytes<firmware::PoseMessage>>;
+  const auto bytes_of = [](const core::Fix& fix) {
+    Message message{};
+    firmware::FixReport report;
+    report.fix = fix;
+    static_cast<void>(firmware::encode_pose(report, message));
+    return message;
+  };
+  return bytes_of(a) == bytes_of(b);
+}
+
+/// A tape on its way through the pipeline.
+class TapeReplay {
+ public:
+  TapeReplay(const RecordingFile& recording, const firmware::Config& config)
+      : recording_(recording), run_(config, ReplayClock::Off), orders_left_(recording.orders) {
+    slam().set_frozen(config.daemon.map_store.frozen ? core::Frozen::Yes : core::Frozen::No);
+    load_map(config.core.capacities);
+  }
+
+  /// The row of a scan that has ended, null for what else a head does.
+  const FixRow* take(const firmware::HeadEvent& event) {
+    if (const auto* line = std::get_if<firmware::Scanline>(&event)) {
+      slam().add_scanline(line->readings);
+    } else if (const auto* ended = std::get_if<firmware::ScanEnded>(&event)) {
+      return &localise(*ended);
+    } else {
+      slam().drop_scan();
+    }
+    return nullptr;
+  }
+
+  Replay finish(const TapePlayer& player) {
+    for (const std::string& what : recording_.damage) {
+      note(what);
+    }
+    note(recording_.path.string() + ": " + player.end_text());
+    run_.result().is_damaged = !recording_.damage.empty() || player.end() != TapeEnd::Complete;
+    return run_.finish();
+  }
+
+ private:
+  core::Slam& slam() { return run_.pipeline().slam(); }
+  void note(const std::string& what) { run_.result().notes.push_back(what); }
+
+  void load_map(const core::Capacities& capacities) {
+    if (recording_.map.empty()) {
+      return;
+    }
+    const auto file = firmware::decode_map(recording_.map, capacities);
+    if (!file || !slam().restore(file->state()).ok()) {
+      note(recording_.path.string() + ": the map that the run began with cannot be loaded: " +
+           (file ? "the settings have no room for it" : file.error().message));
+    }
+  }
+
+  void carry_out(const MapOrder& order) {
+    switch (order.kind) {
+      case MapOrder::Kind::Reset:
+        return slam().reset();
+      case MapOrder::Kind::Freeze:
+        return slam().set_frozen(core::Frozen::Yes);
+      case MapOrder::Kind::Unfreeze:
+        return slam().set_frozen(core::Frozen::No);
+      case MapOrder::Kind::Load:
+        note("another map was loaded before scan " + std::to_string(order.scan) +
+             " of the recording, which does not hold it: fixes differ from there on");
+    }
+  }
+
+  void carry_out_orders() {
+    const auto is_due = [this](const MapOrder& order) { return order.scan <= run_.result().rows.size(); };
+    while (!orders_left_.empty() && is_due(orders_left_.front())) {
+      carry_out(orders_left_.front());
+      orders_left_ = orders_left_.subspan(1);
+    }
+  }
+
+  const FixRow& localise(const firmware::ScanEnded& scan) {
+    carry_out_orders();
+    const auto sent = recording_.fixes.find(scan.end);
+    const bool is_known = sent != recording_.fixes.end();
+    utc_ahead_ = is_known ? sent->second.time.end_utc - scan.end : utc_ahead_;
+    const core::ScanTime time{scan.begin + utc_ahead_, scan.middle + utc_ahead_, scan.end + utc_ahead_,
+                              scan.end};
+    const FixRow& row = run_.add(scan.scan, middle_of(time), [&](const core::Deadline& deadline) {
+      return slam().finish_scan(time, deadline);
+    });
+    if (is_known) {
+      ++run_.result().fixes_compared;
+      run_.result().fixes_alike += are_alike(row.fix, sent->second) ? 1 : 0;
+    }
+    return row;
+  }
+
+  const RecordingFile& recording_;
+  ReplayRun run_;
+  std::span<const MapOrder> orders_left_;
+  hal::Stamp utc_ahead_{};  // UTC less monotonic, as the last scan's fix says
+};
+
+tl::expected<Replay, InputError> replay_tape(const RecordingFile& recording, const firmware::Config& config,
+                                             const ReplayProgress& progress) {
+  const auto chunks = open_tape(recording);
+  const auto playback = HeadPlayback::create(*chunks, config);
+  if (!playback) {
+    return refuse(recording.path.string(), playback.error().message);
+  }
+  TapeReplay run(recording, config);
+  while (const auto event = (*playback)->next()) {
+    const FixRow* const row = run.take(*event);
+    if (row != nullptr && progress) {
+      progress(static_cast<std::size_t>((*playback)->player().chunks_begun()),
+               static_cast<std::size_t>(recording.chunks), *row);
+    }
+  }
+  return run.finish((*playback)->player());
+}
+
+Replay replay_scan_messages(const RecordingFile& recording, const firmware::Config& config,
+                            const ReplayProgress& progress) {
+  ReplayRun run(config, ReplayClock::Off);
+  Replay& result = run.result();
+  result.notes = recording.damage;
+  result.is_damaged = !recording.damage.empty();
+  if (recording.is_truncated) {
+    result.notes.push_back(recording.path.string() +
+                           ": its last event is cut off, as when a logger is killed");
+  }
+  ScanLog log(recording.path, recording.part);
+  while (const auto scan = log.next()) {
+    const std::size_t count =
+        std::min<std::size_t>(scan->landmarks.size(), config.core.detection.landmarks_max);
+    const auto heaviest = std::span(scan->landmarks).first(count);
+    const FixRow& row = run.add(scan->number, middle_of(scan->time), [&](const core::Deadline& deadline) {
+      return run.pipeline().process_landmarks(heaviest, config.landmark_list.view(), scan->time, deadline);
+    });
+    if (progress) {
+      progress(log.messages(), static_cast<std::size_t>(recording.scan_messages), row);
+    }
+  }
+  result.refused = log.refused();
+  return run.finish();
+}
+
+}  // namespace
+
+tl::expected<Replay, InputError> replay_recording(const RecordingFile& recording,
+                                                  const firmware::Config& config,
+                                                  const ReplayProgress& progress) {
+  if (recording.chunks > 0) {
+    return replay_tape(recording, config, progress);
+  }
+  return replay_scan_messages(recording, config, progress);
 }
 
 }  // namespace slamsensor::tools

@@ -3,11 +3,11 @@
 #include "core/mapping/map_state.hpp"
 #include "core/slam.hpp"
 #include "firmware/config/config.hpp"
-#include "tools/eval/timed_pose.hpp"
-#include "tools/input/input_error.hpp"
-#include "tools/input/scan_files.hpp"
-#include "tools/output/fixes_csv.hpp"
-#include "tools/output/map_csv.hpp"
+#include "tools/eval/evaluation.hpp"
+#include "tools/input/scan_source.hpp"
+#include "tools/input/text.hpp"
+#include "tools/output/result_files.hpp"
+#include "tools/recording/recording_file.hpp"
 
 #include <tl/expected.hpp>
 
@@ -63,5 +63,13 @@ using ReplayProgress = std::function<void(std::size_t done, std::size_t total, c
                                                       const firmware::Config& config,
                                                       const ReplayProgress& progress = {},
                                                       ReplayClock clock = ReplayClock::Off);
+
+/// Does the run of `recording` again with `config`: its tape through drivers, scan head and pipeline; or,
+/// where it has no tape, the landmarks of its scan messages through the pipeline. A scan's number is the one
+/// that the sensor gave it, its time (UTC, s) the middle of the scan. Damage ends a tape and is noted; what
+/// was good before it counts. Refused when `config` does not fit the tape's devices.
+[[nodiscard]] tl::expected<Replay, InputError> replay_recording(const RecordingFile& recording,
+                                                                const firmware::Config& config,
+                                                                const ReplayProgress& progress = {});
 
 }  // namespace slamsensor::tools

@@ -2,7 +2,7 @@
 
 #include "core/fix_names.hpp"
 #include "firmware/output/nmea.hpp"
-#include "tools/output/trajectory_tum.hpp"
+#include "tools/output/result_files.hpp"
 #include "tools/plot/map_plot.hpp"
 
 #include <algorithm>

@@ -2,7 +2,6 @@
 
 #include "firmware/config/config.hpp"
 #include "tools/eval/evaluation.hpp"
-#include "tools/eval/timed_pose.hpp"
 #include "tools/output/write_file.hpp"
 #include "tools/replay/replay.hpp"
 

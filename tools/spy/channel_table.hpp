@@ -1,11 +1,12 @@
 #pragma once
 
 #include "hal/stamp.hpp"
-#include "tools/spy/lcm_reassembler.hpp"
+#include "tools/spy/lcm_receiver.hpp"
 
 #include <array>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -58,5 +59,13 @@ class ChannelTable {
   std::map<std::string, History, std::less<>> histories_;
   std::uint64_t left_out_ = 0;
 };
+
+/// The name of the LCM type of a message, by its fingerprint: "slamsensor.pose_t", "bot_core.pose_t", ...;
+/// of an unknown one the fingerprint in hexadecimal, of fewer than 8 bytes "-".
+[[nodiscard]] std::string lcm_type_text(std::span<const std::uint8_t> message);
+
+/// A line "member  value" for each member of a message of a known type with fixed length; of an array as many
+/// elements as fit some 60 characters. Empty for other types and for broken messages.
+[[nodiscard]] std::vector<std::string> lcm_message_lines(std::span<const std::uint8_t> message);
 
 }  // namespace slamsensor::tools

@@ -5,7 +5,7 @@
 #include "firmware/lcm/pose_message.hpp"
 #include "firmware/lcm/status_message.hpp"
 #include "hal/stamp.hpp"
-#include "tools/spy/lcm_reassembler.hpp"
+#include "tools/spy/lcm_receiver.hpp"
 
 #include <array>
 #include <cstdint>

@@ -1,12 +1,183 @@
 #include "tools/world/population.hpp"
 
-#include "tools/world/movers.hpp"
 #include "tools/world/random.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace slamsensor::tools {
+namespace {
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr double kCellMin_m = 4.0;
+constexpr double kCellsPerSide = 512.0;
+
+double cell_size_m(const AreaConfig& area) noexcept {
+  return std::max({kCellMin_m, (area.x_max_m - area.x_min_m) / kCellsPerSide,
+                   (area.y_max_m - area.y_min_m) / kCellsPerSide});
+}
+
+std::size_t cell_count(double length_m, double cell_m) noexcept {
+  return static_cast<std::size_t>(std::floor(length_m / cell_m)) + 1;
+}
+
+// What lies outside the area is kept in the cells along its edge.
+std::size_t clamped_cell(double offset_m, double cell_m, std::size_t count) noexcept {
+  const double cell = std::clamp(std::floor(offset_m / cell_m), 0.0, static_cast<double>(count - 1));
+  return static_cast<std::size_t>(cell);
+}
+
+}  // namespace
+
+Footprints::Footprints(const AreaConfig& area)
+    : area_(area),
+      cell_m_(cell_size_m(area)),
+      columns_(cell_count(area.x_max_m - area.x_min_m, cell_m_)),
+      rows_(cell_count(area.y_max_m - area.y_min_m, cell_m_)),
+      first_(columns_ * rows_, kNone) {
+}
+
+std::size_t Footprints::column(double x_m) const noexcept {
+  return clamped_cell(x_m - area_.x_min_m, cell_m_, columns_);
+}
+
+std::size_t Footprints::row(double y_m) const noexcept {
+  return clamped_cell(y_m - area_.y_min_m, cell_m_, rows_);
+}
+
+void Footprints::add_circle(const core::Point2& centre_W, double radius_m) {
+  std::uint32_t& first = first_[row(centre_W.y()) * columns_ + column(centre_W.x())];
+  circles_.push_back({centre_W, radius_m, first});
+  first = static_cast<std::uint32_t>(circles_.size() - 1);
+  radius_max_m_ = std::max(radius_max_m_, radius_m);
+}
+
+void Footprints::add_wall(const WallConfig& wall) {
+  walls_.push_back(wall);
+}
+
+bool Footprints::is_clear(const core::Point2& centre_W, double reach_m) const noexcept {
+  for (const WallConfig& wall : walls_) {
+    if (distance_to_wall_m(centre_W, wall) < reach_m) {
+      return false;
+    }
+  }
+  const double search_m = reach_m + radius_max_m_;
+  const std::size_t column_end = column(centre_W.x() + search_m);
+  const std::size_t row_end = row(centre_W.y() + search_m);
+  for (std::size_t r = row(centre_W.y() - search_m); r <= row_end; ++r) {
+    for (std::size_t c = column(centre_W.x() - search_m); c <= column_end; ++c) {
+      for (std::uint32_t i = first_[r * columns_ + c]; i != kNone; i = circles_[i].next) {
+        const double gap_m = reach_m + circles_[i].radius_m;
+        if ((circles_[i].centre_W - centre_W).squaredNorm() < gap_m * gap_m) {
+          return false;
+        }
+      }
+    }
+  }
+  return true;
+}
+
+double distance_to_wall_m(const core::Point2& p_W, const WallConfig& wall) noexcept {
+  const core::Point2 from(wall.x1_m, wall.y1_m);
+  const core::Point2 along = core::Point2(wall.x2_m, wall.y2_m) - from;
+  const double length_2 = along.squaredNorm();
+  const double share = length_2 > 0.0 ? std::clamp((p_W - from).dot(along) / length_2, 0.0, 1.0) : 0.0;
+  return (p_W - from - share * along).norm();
+}
+
+namespace {
+
+// `value` brought into [0, period).
+double wrapped(double value, double period) noexcept {
+  return value - period * std::floor(value / period);
+}
+
+MoverPlace place_on_circle(const MoverConfig& path, double way_m) noexcept {
+  const double angle_rad = way_m / path.circle_radius_m;
+  const Eigen::Vector2d out(std::cos(angle_rad), std::sin(angle_rad));
+  const double turn = path.speed_mps < 0.0 ? -1.0 : 1.0;
+  return {core::Point2(path.x1_m, path.y1_m) + path.circle_radius_m * out, {-turn * out.y(), turn * out.x()}};
+}
+
+}  // namespace
+
+double path_length_m(const MoverConfig& path) noexcept {
+  return path.circle_radius_m > 0.0 ? 2.0 * std::numbers::pi * path.circle_radius_m
+                                    : std::hypot(path.x2_m - path.x1_m, path.y2_m - path.y1_m);
+}
+
+MoverPlace place_on_path(const MoverConfig& path, double way_m) noexcept {
+  if (path.circle_radius_m > 0.0) {
+    return place_on_circle(path, way_m);
+  }
+  const core::Point2 from(path.x1_m, path.y1_m);
+  const double length_m = path_length_m(path);
+  if (length_m <= 0.0) {
+    return {from, Eigen::Vector2d::UnitX()};  // it stands still
+  }
+  const Eigen::Vector2d forward = (core::Point2(path.x2_m, path.y2_m) - from) / length_m;
+  const double gone_m = wrapped(way_m, 2.0 * length_m);
+  if (gone_m <= length_m) {
+    return {from + gone_m * forward, forward};
+  }
+  return {from + (2.0 * length_m - gone_m) * forward, -forward};
+}
+
+MoverPlace place_at(const MoverConfig& mover, double time_s) noexcept {
+  return place_on_path(mover, mover.offset_m + mover.speed_mps * time_s);
+}
+
+Movers::Movers(const std::vector<MoverConfig>& movers, const BodyConfig& bodies) : bodies_(bodies) {
+  const double person_m = bodies.person_radius_m;
+  const double car_m = 0.5 * std::hypot(bodies.car_length_m, bodies.car_width_m);
+  for (const MoverConfig& mover : movers) {
+    const double body_m = mover.kind == MoverKind::Person ? person_m : car_m;
+    const core::Point2 from(mover.x1_m, mover.y1_m);
+    const core::Point2 to(mover.x2_m, mover.y2_m);
+    const bool round = mover.circle_radius_m > 0.0;
+    const core::Point2 centre_W = round ? from : core::Point2(0.5 * (from + to));
+    const double reach_m = round ? mover.circle_radius_m : 0.5 * (to - from).norm();
+    items_.push_back({mover, centre_W, reach_m + body_m});
+  }
+}
+
+Chord Movers::body_chord(const Ray& ray, const Item& item, double time_s,
+                         const Ground& ground) const noexcept {
+  const MoverPlace place = place_at(item.config, time_s);
+  const double foot_m = ground.height_m(place.position_W.x(), place.position_W.y());
+  if (item.config.kind == MoverKind::Person) {
+    return cylinder_chord(ray, place.position_W.x(), place.position_W.y(), bodies_.person_radius_m, foot_m,
+                          foot_m + bodies_.person_height_m);
+  }
+  const double half_height_m = 0.5 * bodies_.car_height_m;
+  return box_chord(ray, {{place.position_W.x(), place.position_W.y(), foot_m + half_height_m},
+                         place.forward_W,
+                         {0.5 * bodies_.car_length_m, 0.5 * bodies_.car_width_m, half_height_m}});
+}
+
+Movers::Hit Movers::first_hit(const Ray& ray, double limit_m, double time_s,
+                              const Ground& ground) const noexcept {
+  Hit first;
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    const Item& item = items_[i];
+    const double nearest_m = std::min(limit_m, first.distance_m);
+    const Chord bound = cylinder_chord(ray, item.bound_centre_W.x(), item.bound_centre_W.y(),
+                                       item.bound_radius_m, -kMiss, kMiss);
+    if (bound.empty() || bound.in_m > nearest_m) {
+      continue;
+    }
+    const Chord body = body_chord(ray, item, time_s, ground);
+    if (!body.empty() && body.in_m < nearest_m) {
+      const Surface surface = item.config.kind == MoverKind::Person ? Surface::Person : Surface::Car;
+      first = {body.in_m, surface, static_cast<std::uint32_t>(i)};
+    }
+  }
+  return first;
+}
+
 namespace {
 
 // Random streams of a world's seed. Values are part of the promise that a seed keeps its world.

@@ -1,7 +1,5 @@
 #pragma once
 
-#include "tools/world/world_config.hpp"
-
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -13,6 +11,17 @@
 #include <vector>
 
 namespace slamsensor::tools {
+
+/// A closed interval that sizes are drawn from, uniformly.
+struct Interval {
+  double min = 0.0;
+  double max = 0.0;
+};
+
+/// Why a world, a path or a simulation was refused: what, where and what to do, in one line.
+struct WorldError {
+  std::string message;
+};
 
 /// A value that is one word out of a few; `set` takes the word's index.
 struct Choice {

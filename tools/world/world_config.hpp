@@ -1,23 +1,18 @@
 #pragma once
 
 #include "core/geometry/pose2.hpp"
+#include "tools/world/section.hpp"
+
+#include <tl/expected.hpp>
 
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace slamsensor::tools {
-
-/// Why a world, a path or a simulation was refused: what, where and what to do, in one line.
-struct WorldError {
-  std::string message;
-};
-
-/// A closed interval that sizes are drawn from, uniformly.
-struct Interval {
-  double min = 0.0;
-  double max = 0.0;
-};
 
 /// The rectangle that objects are placed in; the ground goes on beyond it.
 struct AreaConfig {
@@ -163,5 +158,38 @@ struct WorldConfig {
   std::vector<StandConfig> stands;  ///< where the sensor is put, in order; empty: a path is drawn by chance
   std::vector<core::Point2> stems;  ///< trees at given places (m), besides those of the CSV
 };
+
+/// Stem positions, m, from a CSV whose first line names its columns, among them x and y, or x_m and y_m; a
+/// leading '#' and what follows a name after a space are passed over, other columns are ignored, as are empty
+/// lines and later lines that start with '#'. A row without two finite numbers there is refused with its
+/// line.
+[[nodiscard]] tl::expected<std::vector<core::Point2>, WorldError> load_stems(
+    const std::filesystem::path& path);
+
+/// The same from a text; `name` stands for the file in messages.
+[[nodiscard]] tl::expected<std::vector<core::Point2>, WorldError> parse_stems(std::string_view csv,
+                                                                              std::string_view name);
+
+/// Every table of a world file that appears at most once. The pointers are into `config`.
+[[nodiscard]] std::vector<Section> sections_of(WorldConfig& config);
+
+/// The keys of one [[wall]], [[mover]], [[stand]].
+[[nodiscard]] Section section_of(WallConfig& wall);
+[[nodiscard]] Section section_of(MoverConfig& mover);
+[[nodiscard]] Section section_of(StandConfig& stand);
+
+/// What is wrong with `config`, if anything: a value out of its range, an empty interval or area, too many
+/// objects.
+[[nodiscard]] std::optional<WorldError> find_problem(const WorldConfig& config);
+
+/// The world that the TOML file `path` describes; what it does not name keeps its default. A key that is not
+/// known, has another type or is out of range is refused with file, line and column. The stems of
+/// `trees.stems_csv`, relative to the file's folder, are in `stems`.
+[[nodiscard]] tl::expected<WorldConfig, WorldError> load_world(const std::filesystem::path& path);
+
+/// The same from a text; `name` stands for the file in messages, and a relative `trees.stems_csv` is looked
+/// for in `folder`.
+[[nodiscard]] tl::expected<WorldConfig, WorldError> parse_world(std::string_view toml, std::string_view name,
+                                                                const std::filesystem::path& folder);
 
 }  // namespace slamsensor::tools

@@ -1,10 +1,89 @@
 #pragma once
 
-#include "tools/emulator/canopen/drive_profile.hpp"
-#include "tools/emulator/canopen/drive_settings.hpp"
-#include "tools/emulator/ptu/trajectory.hpp"
+#include "tools/emulator/emulated_device.hpp"
+#include "tools/emulator/head_profile.hpp"
+#include "tools/emulator/ptu/motion_plan.hpp"
+
+#include <cstdint>
+#include <string>
 
 namespace slamsensor::tools {
+
+/// One axis with its CANopen drive. Positions are in counts of the output side, speeds in counts/s,
+/// accelerations in counts/s^2. The defaults are a quick pan axis of 409,600 counts a turn (3.2 arc seconds).
+struct DriveSettings {
+  std::uint8_t node_id = 1;
+  std::string device_name = "CiA 402 pan-tilt axis";  ///< 1008h
+  std::string software_version = "1.04";              ///< 100Ah
+  std::uint32_t vendor_id = 0x0000'02E1;
+  std::uint32_t product_code = 0x0000'4602;
+  std::uint32_t revision = 0x0001'0004;
+  std::uint32_t serial_number = 1;
+
+  std::uint32_t encoder_counts = 4096;  ///< of a motor turn, 608Fh
+  std::uint32_t gear_turns = 100;       ///< of the motor in one of the axis, 6091h
+  double direction = 1.0;               ///< -1 when the axis turns against its counts
+
+  long lower_limit = -182'044;  ///< 607Dh at power-up
+  long upper_limit = 182'044;
+  long switch_margin = 1138;  ///< from a software limit to its limit switch
+  long stop_margin = 2276;    ///< from a software limit to the mechanical stop
+  long home_offset = 0;       ///< 607Ch at power-up: the position of home
+  long start = 0;             ///< where the axis stands at the beginning
+  DriveMemory memory = DriveMemory::Absolute;
+
+  std::uint32_t max_speed = 341'333;  ///< 300 deg/s; the highest that 6081h takes
+  std::uint32_t speed = 34'133;       ///< 6081h at power-up
+  std::uint32_t acceleration = 1'137'778;
+  std::uint32_t quick_stop = 4'551'111;  ///< 6085h
+  std::uint32_t homing_speed = 22'756;   ///< 6099h:1; a tenth of it is 6099h:2
+  std::uint32_t following_window = 500;  ///< 6065h
+
+  Delay sdo_latency{std::chrono::microseconds(300), std::chrono::microseconds(100)};
+  Delay pdo_latency{std::chrono::microseconds(50), Stamp{}};  ///< from SYNC or change to the TPDO
+  Stamp sync_latch{};  ///< from the end of SYNC to the latched moment; negative: an old position
+  Stamp boot_time = std::chrono::milliseconds(500);
+  DeviceBegin begin = DeviceBegin::PowerUp;
+  std::uint16_t emergency_code = 0x2310;  ///< of an Emergency: continuous over-current
+
+  /// Counts of the axis in a radian.
+  [[nodiscard]] double counts_per_rad() const noexcept;
+};
+
+/// The pan and tilt axes of an emulated unit.
+struct CanopenHeadSettings {
+  DriveSettings pan;
+  DriveSettings tilt;
+};
+
+/// Pan as node 1, +-160 deg, and tilt as node 2, -47 to +31 deg.
+[[nodiscard]] CanopenHeadSettings canopen_head_settings();
+
+/// How a drive moves: never faster than `speed`, with ramps of their own up and down (CiA 402, linear ramp
+/// profile). Counts/s and counts/s^2, all positive.
+struct DriveRates {
+  double speed = 0.0;
+  double acceleration = 1.0;
+  double deceleration = 1.0;
+};
+
+/// A motion and when, from its begin, it has settled: at rest, or at its speed.
+struct DriveProfile {
+  MotionPlan plan;
+  double settled_s = 0.0;
+};
+
+/// The fastest way from `state` to rest at `target`; settled at its end.
+[[nodiscard]] DriveProfile plan_profile(StepperState state, double target, const DriveRates& rates);
+
+/// At the speed of `rates` towards `bound`, where it stops; settled when the speed is reached.
+[[nodiscard]] DriveProfile plan_run(const StepperState& state, double bound, const DriveRates& rates);
+
+/// The shortest way to rest.
+[[nodiscard]] DriveProfile plan_rest(const StepperState& state, double deceleration);
+
+/// `second`, which begins where `first` ends, right after it.
+[[nodiscard]] DriveProfile then(DriveProfile first, const DriveProfile& second);
 
 /// How fast an axis looks for its home.
 struct HomingRates {
@@ -35,8 +114,8 @@ class DriveAxis {
   /// Stands still at once: the brake holds it, or an obstacle.
   void freeze(Stamp at);
 
-  /// Looks for home as homing method `method` says (CiA 402: 1 and 2 limit switch and index, 17 and 18 limit
-  /// switch, 33 and 34 index, 35 and 37 here); false for other methods.
+  /// Looks for home as homing method `method` says (CiA 402: 17 lower and 18 upper limit switch, 35 and 37
+  /// here); false for other methods.
   [[nodiscard]] bool home(Stamp at, long method, const HomingRates& rates);
 
   /// Counts from now on so that it is at `position`. It rests.

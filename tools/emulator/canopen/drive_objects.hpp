@@ -1,7 +1,10 @@
 #pragma once
 
-#include "tools/emulator/canopen/drive_settings.hpp"
-#include "tools/emulator/canopen/object_dictionary.hpp"
+#include "tools/emulator/canopen/canopen_node.hpp"
+#include "tools/emulator/canopen/drive_axis.hpp"
+
+#include <cstdint>
+#include <vector>
 
 namespace slamsensor::tools {
 
@@ -44,5 +47,43 @@ inline constexpr ObjectKey kTargetVelocity{0x60FF, 0};
 /// The dictionary of a drive at power-up: communication (CiA 301), device profile (CiA 402), and the PDO
 /// maps that Faulhaber's drives come with (control and status word alone, with position, with velocity).
 [[nodiscard]] ObjectDictionary drive_objects(const DriveSettings& settings);
+
+/// An object in a PDO.
+struct PdoEntry {
+  ObjectKey key;
+  std::uint8_t width = 0;  ///< bytes
+};
+
+/// Objects 1400h-1403h and 1600h-1603h, or 1800h-1803h and 1A00h-1A03h, as one of a node's PDOs.
+class DrivePdo {
+ public:
+  /// `communication` is the index of its communication parameters; `objects` outlives it.
+  DrivePdo(const ObjectDictionary& objects, std::uint16_t communication)
+      : objects_(objects), communication_(communication) {}
+
+  [[nodiscard]] bool is_valid() const { return (id_word() & 0x8000'0000) == 0; }
+  [[nodiscard]] std::uint32_t id() const { return static_cast<std::uint32_t>(id_word() & 0x7FF); }
+  [[nodiscard]] std::uint8_t type() const;
+  [[nodiscard]] Stamp inhibit() const;
+  [[nodiscard]] Stamp event_time() const;
+  [[nodiscard]] std::vector<PdoEntry> entries() const;
+
+ private:
+  [[nodiscard]] std::int64_t parameter(std::uint8_t sub) const {
+    return objects_.value({communication_, sub});
+  }
+  [[nodiscard]] std::int64_t id_word() const { return parameter(1); }
+
+  const ObjectDictionary& objects_;
+  std::uint16_t communication_;
+};
+
+/// Whether `index` is of a PDO's parameters.
+[[nodiscard]] bool is_pdo_object(std::uint16_t index) noexcept;
+
+/// Whether a host may write `value` there now (CiA 301, PDO configuration): the identifier and the inhibit
+/// time only of an invalid PDO, the map only of an invalid PDO without entries, entries that exist, may be
+/// mapped that way and have this length, 8 bytes in all.
+[[nodiscard]] SdoAbort check_pdo_write(const ObjectDictionary& objects, ObjectKey key, std::int64_t value);
 
 }  // namespace slamsensor::tools

@@ -1,6 +1,8 @@
 #include "tools/emulator/canopen/emulated_drive.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace slamsensor::tools {
 namespace {
@@ -171,18 +173,7 @@ void EmulatedDrive::serve(const hal::CanFrame& frame, Stamp now) {
     refused_ += frame.size == 8 ? 0U : 1U;
     return;
   }
-  if (sdo_silences_ > 0) {
-    --sdo_silences_;
-    return;
-  }
-  std::optional<SdoBytes> reply;
-  if (sdo_aborts_ > 0) {
-    --sdo_aborts_;
-    reply = sdo_.abort(frame.data, SdoAbort::General);
-  } else {
-    reply = sdo_.answer(frame.data);
-  }
-  if (reply) {
+  if (const auto reply = sdo_.answer(frame.data)) {
     last_reply_ = std::max(last_reply_, now + sdo_latency_.draw());
     put(kSdoReply + settings_.node_id, *reply, last_reply_);
   }
@@ -193,19 +184,13 @@ void EmulatedDrive::tell_error(const DriveError& error, Stamp now) {
   if (node_state_ == NodeState::Stopped || (id & 0x8000'0000) != 0) {
     return;
   }
-  std::vector<std::uint8_t> bytes;
-  append_number(bytes, error.code, 2);
-  bytes.push_back(error.error_register);
-  bytes.resize(8);
-  put(static_cast<std::uint32_t>(id & 0x7FF), bytes, now);
+  put(static_cast<std::uint32_t>(id & 0x7FF), emergency_bytes(error.code, error.error_register), now);
 }
 
 void EmulatedDrive::put(std::uint32_t id, std::span<const std::uint8_t> bytes, Stamp due) {
-  hal::CanFrame frame{.id = id, .extended = false, .size = static_cast<std::uint8_t>(bytes.size())};
-  std::ranges::copy(bytes, frame.data.begin());
   const auto later =
       std::ranges::find_if(outbox_, [due](const Outgoing& waiting) { return waiting.due > due; });
-  outbox_.insert(later, {due, frame});
+  outbox_.insert(later, {due, node_frame(id, bytes)});
 }
 
 void EmulatedDrive::release(Stamp now) {
@@ -235,12 +220,6 @@ bool EmulatedDrive::inject(const Fault& fault) {
     case FaultKind::HeartbeatLost:
       no_heartbeat_until_ = std::max(no_heartbeat_until_, end);
       return true;
-    case FaultKind::SdoAbort:
-      ++sdo_aborts_;
-      return true;
-    case FaultKind::SdoSilence:
-      ++sdo_silences_;
-      return true;
     case FaultKind::Emergency:
       control_.fail({settings_.emergency_code, 0x03}, fault.at, end);
       break;
@@ -248,10 +227,282 @@ bool EmulatedDrive::inject(const Fault& fault) {
       control_.jam(fault.at);
       break;
     default:
-      return false;
+      return sdo_.order(fault.kind);
   }
   settle(fault.at);
   return true;
+}
+
+// What the objects of an EmulatedDrive mean, and its PDOs.
+
+namespace {
+
+constexpr std::uint16_t kHistory = 0x1003;
+constexpr DriveError kPdoTooShort{0x8210, 0x11};
+
+bool is_by_sync(std::uint8_t type) noexcept {
+  return type <= 240;
+}
+
+}  // namespace
+
+std::int64_t EmulatedDrive::live_value(ObjectKey key, Stamp at) const {
+  switch (key.index) {
+    case object::kErrorRegister.index:
+      return control_.error().error_register;
+    case kHistory:
+      return key.sub == 0 ? static_cast<std::int64_t>(errors_.size()) : errors_.at(key.sub - 1U);
+    case object::kErrorCode.index:
+      return control_.error().code;
+    case object::kStatusword.index:
+      return control_.statusword(at);
+    case object::kModeDisplay.index:
+      return control_.mode();
+    case object::kPosition.index:
+      return std::llround(axis_.position(at));
+    case object::kVelocity.index:
+      return std::llround(axis_.speed(at));
+    default:
+      return objects_.value(key);
+  }
+}
+
+SdoAbort EmulatedDrive::read_object(ObjectKey key, std::vector<std::uint8_t>& bytes) {
+  const CanObject* const object = objects_.find(key);
+  if (object == nullptr) {
+    return objects_.missing(key);
+  }
+  if (object->access == ObjectAccess::WriteOnly) {
+    return SdoAbort::WriteOnly;
+  }
+  if (key.index == kHistory && key.sub > errors_.size()) {
+    return SdoAbort::NoData;
+  }
+  if (object->type == ObjectType::Text) {
+    bytes.assign(object->text.begin(), object->text.end());
+  } else {
+    append_number(bytes, live_value(key, now_), width_of(object->type));
+  }
+  return SdoAbort::None;
+}
+
+SdoAbort EmulatedDrive::check_meaning(ObjectKey key, std::int64_t value) const {
+  if (is_pdo_object(key.index)) {
+    return check_pdo_write(objects_, key, value);
+  }
+  const std::int64_t lower = objects_.value(object::kLowerLimit);
+  const std::int64_t upper = objects_.value(object::kUpperLimit);
+  if (key == object::kLowerLimit || key == object::kUpperLimit) {
+    const bool is_crossed = key == object::kLowerLimit ? value > upper : value < lower;
+    return is_crossed ? SdoAbort::MaxBelowMin : SdoAbort::None;
+  }
+  if (key == object::kMode) {
+    return value == 0 || value == 1 || value == 3 || value == 6 ? SdoAbort::None : SdoAbort::ValueRange;
+  }
+  if (key == object::kHomingMethod) {
+    constexpr std::array<std::int64_t, 5> kKnown = {0, 17, 18, 35, 37};
+    return std::ranges::find(kKnown, value) != kKnown.end() ? SdoAbort::None : SdoAbort::ValueRange;
+  }
+  if (key.index == kHistory) {
+    return value == 0 ? SdoAbort::None : SdoAbort::ValueRange;
+  }
+  return SdoAbort::None;
+}
+
+SdoAbort EmulatedDrive::write_object(ObjectKey key, std::span<const std::uint8_t> bytes) {
+  if (const SdoAbort code = objects_.check_write(key, bytes); code != SdoAbort::None) {
+    return code;
+  }
+  const std::int64_t value = number_from(objects_.find(key)->type, bytes);
+  if (const SdoAbort code = check_meaning(key, value); code != SdoAbort::None) {
+    return code;
+  }
+  objects_.set(key, value);
+  apply(key, value, now_);
+  return SdoAbort::None;
+}
+
+void EmulatedDrive::apply(ObjectKey key, std::int64_t value, Stamp now) {
+  if (key == object::kControlword) {
+    control_.set_controlword(static_cast<std::uint16_t>(value), now);
+  } else if (key == object::kMode) {
+    control_.set_mode(static_cast<std::int8_t>(value), now);
+  } else if (key == object::kTargetVelocity) {
+    control_.set_target_velocity(now);
+  } else if (key == object::kHeartbeat_ms) {
+    heartbeat_at_ = value == 0 ? hal::kNever : now;
+  } else if (key.index == kHistory) {
+    errors_.clear();
+  } else if (key.index >= 0x1800 && key.index < 0x1800 + kDrivePdos) {
+    arm_timer(key.index - 0x1800U, now);
+  }
+}
+
+void EmulatedDrive::remember_error(const DriveError& error) {
+  if (error.code == 0) {
+    return;
+  }
+  errors_.push_front(error.code);
+  if (errors_.size() > kErrorHistory) {
+    errors_.pop_back();
+  }
+}
+
+DrivePdo EmulatedDrive::transmit_pdo(std::size_t n) const {
+  return {objects_, static_cast<std::uint16_t>(0x1800 + n)};
+}
+
+DrivePdo EmulatedDrive::receive_pdo(std::size_t n) const {
+  return {objects_, static_cast<std::uint16_t>(0x1400 + n)};
+}
+
+void EmulatedDrive::take_sync(Stamp now) {
+  for (std::size_t n = 0; n < kDrivePdos; ++n) {
+    const DrivePdo pdo = transmit_pdo(n);
+    const std::uint8_t type = pdo.type();
+    if (!pdo.is_valid() || !is_by_sync(type)) {
+      continue;
+    }
+    const bool is_due = type == 0 ? tells_change(n, now) : ++transmits_[n].syncs >= type;
+    if (is_due) {
+      transmit(n, now + settings_.sync_latch, now);
+    }
+  }
+  for (std::size_t n = 0; n < kDrivePdos; ++n) {
+    const std::vector<std::uint8_t> bytes = std::exchange(held_[n], {});
+    if (!bytes.empty()) {
+      apply_pdo(receive_pdo(n), bytes, now);
+    }
+  }
+}
+
+bool EmulatedDrive::take_pdo(const hal::CanFrame& frame, Stamp now) {
+  for (std::size_t n = 0; n < kDrivePdos; ++n) {
+    const DrivePdo pdo = receive_pdo(n);
+    if (!pdo.is_valid() || pdo.id() != frame.id) {
+      continue;
+    }
+    std::size_t size = 0;
+    for (const PdoEntry& entry : pdo.entries()) {
+      size += entry.width;
+    }
+    if (frame.bytes().size() < size) {
+      ++refused_;
+      remember_error(kPdoTooShort);
+      tell_error(kPdoTooShort, now);
+    } else if (is_by_sync(pdo.type())) {
+      held_[n].assign(frame.bytes().begin(), frame.bytes().end());
+    } else {
+      apply_pdo(pdo, frame.bytes(), now);
+    }
+    return true;
+  }
+  return false;
+}
+
+// All values are there before the control word acts.
+void EmulatedDrive::apply_pdo(const DrivePdo& pdo, std::span<const std::uint8_t> bytes, Stamp now) {
+  now_ = now;
+  std::span<const std::uint8_t> word;
+  for (const PdoEntry& entry : pdo.entries()) {
+    const auto part = bytes.first(entry.width);
+    bytes = bytes.subspan(entry.width);
+    if (entry.key == object::kControlword) {
+      word = part;
+    } else if (write_object(entry.key, part) != SdoAbort::None) {
+      ++refused_;
+    }
+  }
+  if (!word.empty()) {
+    static_cast<void>(write_object(object::kControlword, word));
+  }
+}
+
+bool EmulatedDrive::tells_change(std::size_t n, Stamp at) const {
+  const std::vector<PdoEntry> entries = transmit_pdo(n).entries();
+  const bool has_word =
+      std::ranges::any_of(entries, [](const PdoEntry& e) { return e.key == object::kStatusword; });
+  return transmits_[n].told < 0 || (has_word && control_.statusword(at) != transmits_[n].told);
+}
+
+void EmulatedDrive::arm_timer(std::size_t n, Stamp now) {
+  const DrivePdo pdo = transmit_pdo(n);
+  const Stamp period = pdo.event_time();
+  const bool runs = node_state_ == NodeState::Operational && pdo.is_valid() && !is_by_sync(pdo.type());
+  transmits_[n].timer_at = runs && period > Stamp::zero() ? now + period : hal::kNever;
+}
+
+// A change of the status word shows when something happens; what waits for the inhibit time comes by itself.
+Stamp EmulatedDrive::next_transmit(std::size_t n) const {
+  const Transmit& state = transmits_[n];
+  const DrivePdo pdo = transmit_pdo(n);
+  if (node_state_ != NodeState::Operational || !pdo.is_valid() || is_by_sync(pdo.type())) {
+    return hal::kNever;
+  }
+  const Stamp due = tells_change(n, now_) ? now_ : state.timer_at;
+  return due == hal::kNever ? due : std::max(due, state.may_at);
+}
+
+void EmulatedDrive::transmit(std::size_t n, Stamp latch, Stamp now) {
+  const DrivePdo pdo = transmit_pdo(n);
+  Transmit& state = transmits_[n];
+  std::vector<std::uint8_t> bytes;
+  for (const PdoEntry& entry : pdo.entries()) {
+    append_number(bytes, live_value(entry.key, latch), entry.width);
+  }
+  state.told = control_.statusword(now);
+  state.syncs = 0;
+  state.may_at = now + pdo.inhibit();
+  arm_timer(n, now);
+  last_pdo_ = std::max(last_pdo_, now + pdo_latency_.draw());
+  put(pdo.id(), bytes, last_pdo_);
+}
+
+void EmulatedDrive::publish(Stamp now) {
+  for (std::size_t n = 0; n < kDrivePdos; ++n) {
+    if (next_transmit(n) <= now) {
+      transmit(n, now, now);
+    }
+  }
+}
+
+namespace {
+
+constexpr std::uint64_t kPanStream = 211;
+constexpr std::uint64_t kTiltStream = 212;
+constexpr std::uint64_t kChoiceStream = 213;
+
+}  // namespace
+
+EmulatedCanopenHead::EmulatedCanopenHead(const CanopenHeadSettings& settings, FrameSink& pan, FrameSink& tilt,
+                                         std::uint64_t seed)
+    : pan_(settings.pan, pan, mix_seed(seed, kPanStream)),
+      tilt_(settings.tilt, tilt, mix_seed(seed, kTiltStream)),
+      rng_(mix_seed(seed, kChoiceStream)) {
+}
+
+void EmulatedCanopenHead::advance(Stamp now) {
+  pan_.advance(now);
+  tilt_.advance(now);
+}
+
+Stamp EmulatedCanopenHead::next_event() const {
+  return std::min(pan_.next_event(), tilt_.next_event());
+}
+
+bool EmulatedCanopenHead::inject(const Fault& fault) {
+  if (fault.kind == FaultKind::PowerCycle || fault.kind == FaultKind::Silence) {
+    const bool knows = pan_.inject(fault);
+    return tilt_.inject(fault) && knows;
+  }
+  const bool pan_moves = pan_.is_moving(fault.at);
+  const bool is_clear = pan_moves != tilt_.is_moving(fault.at);
+  const bool is_pan = is_clear ? pan_moves : draw_unit(rng_) < 0.5;
+  return (is_pan ? pan_ : tilt_).inject(fault);
+}
+
+HeadAngles EmulatedCanopenHead::angles_at(Stamp at) const {
+  return {pan_.angle_rad(at), tilt_.angle_rad(at)};
 }
 
 }  // namespace slamsensor::tools

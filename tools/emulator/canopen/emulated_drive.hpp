@@ -1,10 +1,9 @@
 #pragma once
 
+#include "tools/emulator/canopen/canopen_node.hpp"
 #include "tools/emulator/canopen/drive_control.hpp"
-#include "tools/emulator/canopen/drive_pdo.hpp"
-#include "tools/emulator/canopen/sdo_server.hpp"
-#include "tools/emulator/delay_draw.hpp"
-#include "tools/emulator/rangefinder/power_switch.hpp"
+#include "tools/emulator/canopen/drive_objects.hpp"
+#include "tools/emulator/emulated_device.hpp"
 
 #include <array>
 #include <deque>
@@ -59,7 +58,7 @@ class EmulatedDrive final : public EmulatedCanDevice, private ObjectKeeper {
 
   SdoAbort read_object(ObjectKey key, std::vector<std::uint8_t>& bytes) override;
   SdoAbort write_object(ObjectKey key, std::span<const std::uint8_t> bytes) override;
-  [[nodiscard]] std::size_t object_width(ObjectKey key) const override;
+  [[nodiscard]] std::size_t object_width(ObjectKey key) const override { return objects_.width(key); }
   [[nodiscard]] SdoAbort check_meaning(ObjectKey key, std::int64_t value) const;
   void apply(ObjectKey key, std::int64_t value, Stamp now);
   [[nodiscard]] std::int64_t live_value(ObjectKey key, Stamp at) const;
@@ -112,9 +111,31 @@ class EmulatedDrive final : public EmulatedCanDevice, private ObjectKeeper {
 
   Stamp silent_until_ = Stamp::min();
   Stamp no_heartbeat_until_ = Stamp::min();
-  unsigned sdo_aborts_ = 0;
-  unsigned sdo_silences_ = 0;
   std::uint64_t refused_ = 0;
+};
+
+/// A pan-tilt unit of two CiA 402 axes, each a node of its own on the bus.
+class EmulatedCanopenHead final : public EmulatedDevice, public PointingTruth {
+ public:
+  /// The sinks outlive it. Its drives are to be attached to the bus at the nodes of their sinks.
+  EmulatedCanopenHead(const CanopenHeadSettings& settings, FrameSink& pan, FrameSink& tilt,
+                      std::uint64_t seed);
+
+  void advance(Stamp now) override;
+  [[nodiscard]] Stamp next_event() const override;
+
+  /// As EmulatedDrive::inject(): PowerCycle and Silence befall both axes, else a moving one, else either.
+  bool inject(const Fault& fault) override;
+
+  [[nodiscard]] HeadAngles angles_at(Stamp at) const override;
+
+  [[nodiscard]] EmulatedDrive& pan() noexcept { return pan_; }
+  [[nodiscard]] EmulatedDrive& tilt() noexcept { return tilt_; }
+
+ private:
+  EmulatedDrive pan_;
+  EmulatedDrive tilt_;
+  Random rng_;
 };
 
 }  // namespace slamsensor::tools

@@ -116,7 +116,9 @@ void EmulatedInclinometer::receive(const hal::CanFrame& frame, Stamp at) {
   if (frame.id == 0) {
     obey_nmt(frame, at);
   } else if (frame.id == kSdoRequest + settings_.node_id && frame.size == 8) {
-    serve(frame, at);
+    if (const auto reply = sdo_.answer(frame.data)) {
+      send(kSdoReply + settings_.node_id, *reply, at + kAnswer);
+    }
   }
 }
 
@@ -139,23 +141,6 @@ void EmulatedInclinometer::obey_nmt(const hal::CanFrame& frame, Stamp now) {
       return power_.cut(now);
     default:
       return;
-  }
-}
-
-void EmulatedInclinometer::serve(const hal::CanFrame& frame, Stamp now) {
-  if (sdo_silences_ > 0) {
-    --sdo_silences_;
-    return;
-  }
-  std::optional<SdoBytes> reply;
-  if (sdo_aborts_ > 0) {
-    --sdo_aborts_;
-    reply = sdo_.abort(frame.data, SdoAbort::General);
-  } else {
-    reply = sdo_.answer(frame.data);
-  }
-  if (reply) {
-    send(kSdoReply + settings_.node_id, *reply, now + kAnswer);
   }
 }
 
@@ -186,27 +171,15 @@ SdoAbort EmulatedInclinometer::write_object(ObjectKey key, std::span<const std::
   return SdoAbort::None;
 }
 
-std::size_t EmulatedInclinometer::object_width(ObjectKey key) const {
-  const CanObject* const object = objects_.find(key);
-  return object == nullptr ? 0 : width_of(object->type);
-}
-
 void EmulatedInclinometer::tell_emergency(std::uint16_t code, std::uint8_t error_register, Stamp now) {
   objects_.set({0x1001, 0}, error_register);
-  std::vector<std::uint8_t> bytes;
-  append_number(bytes, code, 2);
-  bytes.push_back(error_register);
-  bytes.resize(8);
-  send(kEmergency + settings_.node_id, bytes, now);
+  send(kEmergency + settings_.node_id, emergency_bytes(code, error_register), now);
 }
 
 void EmulatedInclinometer::send(std::uint32_t id, std::span<const std::uint8_t> bytes, Stamp at) {
-  if (at < silent_until_) {
-    return;
+  if (at >= silent_until_) {
+    sink_.send(node_frame(id, bytes), at);
   }
-  hal::CanFrame frame{.id = id, .extended = false, .size = static_cast<std::uint8_t>(bytes.size())};
-  std::ranges::copy(bytes, frame.data.begin());
-  sink_.send(frame, at);
 }
 
 bool EmulatedInclinometer::inject(const Fault& fault) {
@@ -222,17 +195,11 @@ bool EmulatedInclinometer::inject(const Fault& fault) {
     case FaultKind::Silence:
       silent_until_ = std::max(silent_until_, end);
       return true;
-    case FaultKind::SdoAbort:
-      ++sdo_aborts_;
-      return true;
-    case FaultKind::SdoSilence:
-      ++sdo_silences_;
-      return true;
     case FaultKind::Emergency:
       tell_emergency(kOverRangeCode, 0x81, fault.at);
       return true;
     default:
-      return false;
+      return sdo_.order(fault.kind);
   }
 }
 

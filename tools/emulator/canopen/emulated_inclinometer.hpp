@@ -1,8 +1,7 @@
 #pragma once
 
-#include "tools/emulator/canopen/sdo_server.hpp"
+#include "tools/emulator/canopen/canopen_node.hpp"
 #include "tools/emulator/emulated_device.hpp"
-#include "tools/emulator/rangefinder/power_switch.hpp"
 
 #include <cstdint>
 #include <vector>
@@ -40,12 +39,11 @@ class EmulatedInclinometer final : public EmulatedCanDevice, private ObjectKeepe
  private:
   SdoAbort read_object(ObjectKey key, std::vector<std::uint8_t>& bytes) override;
   SdoAbort write_object(ObjectKey key, std::span<const std::uint8_t> bytes) override;
-  [[nodiscard]] std::size_t object_width(ObjectKey key) const override;
+  [[nodiscard]] std::size_t object_width(ObjectKey key) const override { return objects_.width(key); }
 
   void boot(Stamp now);
   void measure();
   void obey_nmt(const hal::CanFrame& frame, Stamp now);
-  void serve(const hal::CanFrame& frame, Stamp now);
   void tell_emergency(std::uint16_t code, std::uint8_t error_register, Stamp now);
   void send(std::uint32_t id, std::span<const std::uint8_t> bytes, Stamp at);
 
@@ -60,8 +58,6 @@ class EmulatedInclinometer final : public EmulatedCanDevice, private ObjectKeepe
   bool is_over_range_ = false;
   Stamp pdo_at_ = hal::kNever;
   Stamp silent_until_ = Stamp::min();
-  unsigned sdo_aborts_ = 0;
-  unsigned sdo_silences_ = 0;
 };
 
 }  // namespace slamsensor::tools

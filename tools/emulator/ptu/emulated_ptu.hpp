@@ -1,22 +1,64 @@
 #pragma once
 
-#include "tools/emulator/delay_draw.hpp"
 #include "tools/emulator/emulated_device.hpp"
-#include "tools/emulator/ptu/ptu_port.hpp"
-#include "tools/emulator/ptu/ptu_settings.hpp"
-#include "tools/emulator/ptu/ptu_unit.hpp"
+#include "tools/emulator/ptu/ascii_command.hpp"
+#include "tools/emulator/ptu/ptu_head.hpp"
+#include "tools/world/random.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
+#include <string_view>
 
 namespace slamsensor::tools {
 
+/// Who gets what the unit says: the host, or its own store until it is selected.
+enum class PtuAudience : std::uint8_t { Host, Store };
+
+/// The unit's mouth: what it says and what faults make of it.
+class PtuPort {
+ public:
+  PtuPort(ByteSink& sink, std::uint64_t seed) : sink_(sink), rng_(seed) {}
+
+  /// From now on speaks to `audience`; the host gets what was stored.
+  void turn_to(PtuAudience audience, Stamp now);
+
+  /// Echo and banner; nothing that waits for a host who does not listen.
+  void say(std::string_view bytes, Stamp now);
+
+  /// The answer to a command: the one that the faults of replies befall.
+  void answer(const std::string& bytes, Stamp now);
+
+  /// An axis has run into a limit.
+  void report(PtuAxisId axis, Stamp now);
+
+  /// Sends nothing until `until`.
+  void be_silent(Stamp until);
+
+  /// The next answer is lost, comes twice, or has a limit report in it; false for other faults.
+  bool befall(FaultKind kind);
+
+  /// Without power: nothing is sent any more.
+  void cut_power();
+
+ private:
+  void send(std::string_view bytes, Stamp now);
+
+  ByteSink& sink_;
+  Random rng_;
+  PtuAudience audience_ = PtuAudience::Host;
+  std::string stored_;
+  Stamp silent_until_ = Stamp::min();
+  unsigned swallow_ = 0;
+  unsigned twice_ = 0;
+  unsigned limit_inside_ = 0;
+};
+
 /// A Directed Perception / FLIR pan-tilt unit: ASCII commands (PTU-D46 User's Manual 2.14, E-Series Command
-/// Reference), the binary interface, and two stepper axes in exact time. It reads its line byte by byte: each
+/// Reference), and two stepper axes in exact time. It reads its line byte by byte: each
 /// is echoed when it is read, a delimiter makes it obey, and it reads on when it has answered.
 class EmulatedPtu final : public EmulatedSerialDevice, public PointingTruth {
  public:
@@ -52,10 +94,9 @@ class EmulatedPtu final : public EmulatedSerialDevice, public PointingTruth {
   // A reset under way.
   struct ResetRun {
     Stamp end{};
-    PtuVerdict verdict{};
+    PtuRefusal failure{};
     PtuAnswer answer{};
-    PtuStarting input = PtuStarting::Holds;
-    PtuStartReports reports = PtuStartReports::Told;
+    bool is_starting = false;  // of power-up: what is typed meanwhile is lost
   };
 
   void settle(Stamp now);
@@ -66,8 +107,6 @@ class EmulatedPtu final : public EmulatedSerialDevice, public PointingTruth {
   void finish_pending(Stamp now);
 
   void take(std::uint8_t byte, Stamp now);
-  [[nodiscard]] bool pass_through(std::uint8_t byte);
-  void take_binary(std::uint8_t byte, Stamp now);
   void take_text(char c, Stamp now);
   void end_text(char delimiter, Stamp now);
   void begin_answer(const PtuAnswer& answer, Stamp now);
@@ -94,10 +133,8 @@ class EmulatedPtu final : public EmulatedSerialDevice, public PointingTruth {
 
   std::deque<std::uint8_t> input_;
   std::string text_;
-  std::vector<std::uint8_t> binary_;
   bool was_return_ = false;        // the last byte read was a CR
   bool has_heard_return_ = false;  // the last byte heard was one
-  PtuForm form_ = PtuForm::Ascii;
   std::optional<Pending> pending_;
   std::optional<ResetRun> reset_;
   std::deque<PtuLimitHit> hits_;  // of the reset, to come

@@ -1,16 +1,163 @@
 #include "tools/emulator/rangefinder/emulated_lwnx.hpp"
 
+#include "tools/world/random.hpp"
+
 #include <algorithm>
+#include <cmath>
 
 namespace slamsensor::tools {
+void set_rate(LwnxSettings& settings, double rate_hz) {
+  LwnxProduct& product = settings.product;
+  LwnxRegister* const rate = product.find(product.ids.update_rate);
+  LwnxRegister* const high_speed = product.find(product.ids.high_speed);
+  if (high_speed != nullptr) {
+    high_speed->initial = 2.0 * rate_hz >= settings.full_speed_hz ? 1 : 0;
+  }
+  if (rate == nullptr) {
+    return;
+  }
+  if (product.rates_hz.empty()) {
+    rate->initial = std::clamp<std::int64_t>(std::llround(rate_hz * 10.0), 5, 100);
+    return;
+  }
+  const auto nearest = std::ranges::min_element(
+      product.rates_hz, {}, [rate_hz](double each) { return std::abs(std::log(each / rate_hz)); });
+  rate->initial = product.first_rate_value + (nearest - product.rates_hz.begin());
+}
+
 namespace {
 
+// Commands.
 constexpr std::uint8_t kNameId = 0;
 constexpr std::uint8_t kSerialNumberId = 3;
 constexpr std::uint8_t kTextId = 7;
+constexpr std::uint8_t kTokenId = 10;
+constexpr std::uint8_t kSaveId = 12;
+constexpr std::uint8_t kResetId = 14;
 constexpr std::uint8_t kCommModeId = 28;
 constexpr std::uint8_t kStreamId = 30;
+constexpr std::uint8_t kRawId = 40;
+constexpr std::uint8_t kCmId = 44;
+constexpr std::uint8_t kMmId = 45;
+constexpr std::uint8_t kLaserId = 50;
+
+constexpr std::size_t kWindow = 5;
+constexpr std::int64_t kNoise = 12;
+constexpr std::int64_t kTemperature = 2350;  // 1/100 degC
+
+struct FieldSource {
+  const LwnxReading& reading;
+  const LwnxReader::Recent& recent;
+  LwnxUnit unit;
+};
+
+std::int64_t field_word(LwnxField field, const FieldSource& source) {
+  switch (field) {
+    case LwnxField::Raw:
+      return distance_word(source.reading, source.reading.range_m, source.unit);
+    case LwnxField::Closest:
+      return distance_word(source.reading, source.recent.closest_m, source.unit);
+    case LwnxField::Median:
+      return distance_word(source.reading, source.recent.median_m, source.unit);
+    case LwnxField::Furthest:
+      return distance_word(source.reading, source.recent.furthest_m, source.unit);
+    case LwnxField::Strength:
+      return source.reading.is_lost ? 0 : std::llround(source.reading.strength);
+    case LwnxField::Noise:
+      return kNoise;
+    case LwnxField::Temperature:
+      return kTemperature;
+    case LwnxField::Yaw:
+    case LwnxField::Alarm:
+      return 0;
+  }
+  return 0;
+}
+
+void pack_fields(const LwnxProduct& product, std::uint64_t bits, const FieldSource& source,
+                 std::vector<std::uint8_t>& data) {
+  for (std::size_t bit = 0; bit < product.fields.size(); ++bit) {
+    if ((bits >> bit & 1U) != 0) {
+      append_little_endian(field_word(product.fields[bit], source), source.unit.bytes, data);
+    }
+  }
+}
+
+}  // namespace
+
+std::int64_t distance_word(const LwnxReading& reading, double range_m, const LwnxUnit& unit) {
+  const auto highest = (std::int64_t{1} << (8 * unit.bytes - 1)) - 1;
+  const std::int64_t word = std::llround(range_m * unit.units_per_m);
+  return reading.is_lost || word > highest ? unit.no_return : word;
+}
+
+double LwnxReader::strength_of(const Sight& sight) const {
+  if (sight.kind == SightKind::Weak) {
+    return settings_.weak_strength;
+  }
+  return sight.kind == SightKind::Saturated ? settings_.saturated_strength : settings_.strength.of(sight);
+}
+
+LwnxReading LwnxReader::read(const Sight& sight, const Setup& setup) {
+  const bool is_miss = !sight.has_echo() || (sight.kind == SightKind::Weak && !setup.tells_strength);
+  if (!is_miss) {
+    misses_ = 0;
+    last_ = {false, sight.range_m + setup.zero_offset_m, strength_of(sight)};
+    if (ranges_m_.size() == kWindow) {
+      ranges_m_.erase(ranges_m_.begin());
+    }
+    ranges_m_.push_back(last_.range_m);
+    return last_;
+  }
+  ++misses_;
+  if (misses_ >= setup.lost_counter) {  // the counter's last miss is told as lost: 1 (and 0) repeats nothing
+    last_ = {};
+    ranges_m_.clear();
+  }
+  return last_;
+}
+
+LwnxReader::Recent LwnxReader::recent(const LwnxReading& latest) const {
+  if (ranges_m_.empty()) {
+    return {latest.range_m, latest.range_m, latest.range_m};
+  }
+  std::vector<double> sorted = ranges_m_;
+  std::ranges::sort(sorted);
+  return {sorted.front(), sorted[sorted.size() / 2], sorted.back()};
+}
+
+void LwnxReader::clear() {
+  last_ = {};
+  misses_ = 0;
+  ranges_m_.clear();
+}
+
+void pack_cm(const LwnxProduct& product, std::uint64_t bits, const LwnxReading& reading,
+             const LwnxReader::Recent& recent, std::vector<std::uint8_t>& data) {
+  const LwnxUnit unit{product.cm_units_per_m, product.cm_field_bytes, product.no_return};
+  pack_fields(product, bits, {reading, recent, unit}, data);
+}
+
+void pack_mm(const LwnxProduct& product, std::uint64_t bits, const LwnxReading& reading,
+             const LwnxReader::Recent& recent, std::vector<std::uint8_t>& data) {
+  const LwnxUnit unit{1000.0, 4, product.no_return_mm};
+  const FieldSource source{reading, recent, unit};
+  if (product.mm_signals == 0) {
+    pack_fields(product, bits, source, data);
+    return;
+  }
+  for (std::uint8_t signal = 0; signal < product.mm_signals; ++signal) {
+    const bool is_echo = signal == 0;
+    append_little_endian(is_echo ? field_word(LwnxField::Raw, source) : unit.no_return, 4, data);
+    append_little_endian(is_echo ? field_word(LwnxField::Strength, source) : 0, 4, data);
+  }
+  append_little_endian(kTemperature, 4, data);
+}
+
+namespace {
+
 constexpr std::uint64_t kSerialAtOnce = 1;
+constexpr std::uint16_t kFirstToken = 0x1234;
 constexpr Stamp kErrorTextPeriod = std::chrono::milliseconds(500);
 
 }  // namespace
@@ -23,9 +170,9 @@ EmulatedLwnx::EmulatedLwnx(const LwnxSettings& settings, ByteSink& sink, RangeSc
       machine_(settings, line_, scene),
       registers_(product_),
       reader_(settings_),
-      token_(settings.first_token) {
+      token_(kFirstToken) {
   registers_.set_text(kNameId, product_.name);
-  registers_.set_text(kSerialNumberId, settings.serial_number);
+  registers_.set_text(kSerialNumberId, "EMU-000001");
   line_.set_baud(settings.baud != 0 ? settings.baud : product_.baud);
   if (const auto value = lwnx_baud_value(line_.baud())) {
     registers_.set(product_.ids.baud, std::uint64_t{*value});
@@ -35,7 +182,7 @@ EmulatedLwnx::EmulatedLwnx(const LwnxSettings& settings, ByteSink& sink, RangeSc
     start_up(Stamp::zero());
     unanswered_first_ = 0;
     unanswered_packets_ = 0;
-    is_lwnx_ = settings.legacy == LwnxLegacyStream::None;
+    is_lwnx_ = true;
   }
 }
 
@@ -47,7 +194,7 @@ void EmulatedLwnx::advance(Stamp now) {
 
 Stamp EmulatedLwnx::next_event() const {
   const Stamp next = machine_.next_event();
-  return machine_.power.is_up() ? std::min({next, statistics_at_, text_at_}) : next;
+  return machine_.power.is_up() ? std::min(next, error_text_at_) : next;
 }
 
 void EmulatedLwnx::step(Stamp now) {
@@ -58,11 +205,11 @@ void EmulatedLwnx::step(Stamp now) {
   if (machine_.takes_shot(now)) {
     shoot(now);
   }
-  if (statistics_at_ <= now) {
-    send_statistics(now);
-  }
-  if (text_at_ <= now) {
-    say_due_text(now);
+  if (error_text_at_ <= now) {
+    error_text_at_ = error_is_on(now) ? now + kErrorTextPeriod : hal::kNever;
+    if (error_is_on(now)) {
+      say("Laser error", now);
+    }
   }
   machine_.release(now);
   if (machine_.restart_at <= now) {
@@ -81,19 +228,16 @@ void EmulatedLwnx::start_up(Stamp now) {
   unanswered_first_ = is_chosen ? 0 : product_.unanswered_first;
   unanswered_packets_ = product_.unanswered_packets;
   is_lwnx_ = false;
-  text_.clear();
-  text_stream_.reset();
   receiver_.clear();
   reader_.clear();
-  text_at_ = error_is_on(now) ? now : hal::kNever;
+  error_text_at_ = error_is_on(now) ? now : hal::kNever;
   retime(now);
 }
 
 void EmulatedLwnx::go_down(Stamp until) {
   machine_.go_down(until);
   line_.clear();
-  statistics_at_ = hal::kNever;
-  text_at_ = hal::kNever;
+  error_text_at_ = hal::kNever;
 }
 
 bool EmulatedLwnx::inject(const Fault& fault) {
@@ -108,14 +252,13 @@ bool EmulatedLwnx::inject(const Fault& fault) {
       return true;
     case FaultKind::DeviceError:
       machine_.faults.open(fault);
-      text_at_ = machine_.power.is_up() ? fault.at : hal::kNever;
+      error_text_at_ = machine_.power.is_up() ? fault.at : hal::kNever;
       return true;
     case FaultKind::BadChecksum:
       machine_.faults.order(fault.kind);
       return true;
     case FaultKind::StreamStops:
       registers_.set(kStreamId, 0U);
-      text_stream_.reset();
       retime(fault.at);
       return true;
     case FaultKind::TextMessage:
@@ -131,7 +274,8 @@ void EmulatedLwnx::say(std::string_view text, Stamp at) {
     return;
   }
   if (!is_lwnx_) {
-    put_text(std::string(text) + "\r\n", at);
+    const std::string line = std::string(text) + "\r\n";
+    machine_.outbox.put_answer(std::vector<std::uint8_t>(line.begin(), line.end()), at);
     return;
   }
   data_.assign(text.begin(), text.end());
@@ -139,16 +283,255 @@ void EmulatedLwnx::say(std::string_view text, Stamp at) {
   put_packet(kTextId, LwnxAccess::Read, at);
 }
 
-void EmulatedLwnx::say_due_text(Stamp now) {
-  if (error_is_on(now)) {
-    say("Laser error", now);
-    text_at_ = now + kErrorTextPeriod;
-  } else if (!is_lwnx_ && settings_.screen_period > Stamp::zero()) {
-    put_text(product_.text_name + " measuring\r\n", now);
-    text_at_ = now + settings_.screen_period;
-  } else {
-    text_at_ = hal::kNever;
+namespace {}  // namespace
+
+void EmulatedLwnx::receive(std::uint8_t byte, Stamp at) {
+  if (!machine_.power.is_up()) {
+    return;
   }
+  if (const auto request = receiver_.push(byte, at)) {
+    take_request(*request, at);
+  } else if (!receiver_.in_packet() && byte == '\n' && unanswered_first_ > 0) {
+    --unanswered_first_;  // a line of text, which chooses the interface
+  }
+}
+
+void EmulatedLwnx::take_request(const LwnxRequest& request, Stamp at) {
+  if (unanswered_first_ > 0) {
+    --unanswered_first_;
+    return;
+  }
+  enter_lwnx(at);
+  if (unanswered_packets_ > 0) {
+    --unanswered_packets_;
+    return;
+  }
+  const LwnxRegister* const command = product_.find(request.id);
+  if (command == nullptr) {
+    ++refused_;
+  } else if (request.access == LwnxAccess::Write) {
+    answer_write(*command, request, at);
+  } else if (command->read_bytes > 0 && request.data.empty()) {
+    answer_read(*command, at);
+  } else {
+    ++refused_;
+  }
+}
+
+void EmulatedLwnx::enter_lwnx(Stamp at) {
+  if (is_lwnx_) {
+    return;
+  }
+  is_lwnx_ = true;
+  retime(at);
+}
+
+void EmulatedLwnx::answer_read(const LwnxRegister& command, Stamp at) {
+  if (command.id == kCmId || command.id == kMmId || command.id == kRawId) {
+    answer_distance(command.id, at);
+    return;
+  }
+  if (command.id == kTokenId) {
+    registers_.set(kTokenId, std::uint64_t{token_});
+  }
+  const auto bytes = registers_.bytes(command.id);
+  data_.assign(bytes.begin(), bytes.end());
+  put_packet(command.id, LwnxAccess::Read, at);
+}
+
+void EmulatedLwnx::answer_distance(std::uint8_t id, Stamp at) {
+  const LwnxReading reading = measure(at);
+  data_.clear();
+  const std::uint64_t bits = registers_.value(product_.ids.distance_output);
+  if (id == kCmId) {
+    pack_cm(product_, bits, reading, reader_.recent(reading), data_);
+  } else if (id == kMmId) {
+    pack_mm(product_, bits, reading, reader_.recent(reading), data_);
+  } else {
+    data_.push_back(1);
+    append_little_endian(distance_word(reading, reading.range_m, {100.0, 2, product_.no_return}), 2, data_);
+  }
+  build_packet(id, LwnxAccess::Read, data_, packet_);
+  machine_.outbox.put_answer(packet_, at, {&at, 1});
+}
+
+void EmulatedLwnx::answer_write(const LwnxRegister& command, const LwnxRequest& request, Stamp at) {
+  if (!command.write_bytes || *command.write_bytes != request.data.size() || !write(request, at)) {
+    ++refused_;
+    return;
+  }
+  data_.clear();
+  const auto kept = registers_.bytes(command.id);
+  data_.assign(kept.begin(), kept.end());  // save and reset have none
+  put_packet(command.id, LwnxAccess::Write, at);
+}
+
+bool EmulatedLwnx::write(const LwnxRequest& request, Stamp at) {
+  const std::uint64_t value = little_endian(request.data);
+  const LwnxIds& ids = product_.ids;
+  if (request.id == ids.update_rate) {
+    if (product_.rate_hz(value)) {
+      registers_.set(request.id, request.data);
+      retime(at);
+    }
+  } else if (request.id == ids.baud) {
+    if (lwnx_baud(value)) {
+      registers_.set(request.id, request.data);  // the line keeps its rate until the next start
+    }
+  } else if (request.id == ids.lost_counter) {
+    if (value >= product_.lost_counter_min) {
+      registers_.set(request.id, request.data);
+    }
+  } else if (request.id == ids.high_speed) {
+    registers_.set(request.id, value & 1U);
+    retime(at);
+  } else {
+    return write_common(request, at);
+  }
+  return true;
+}
+
+bool EmulatedLwnx::write_common(const LwnxRequest& request, Stamp at) {
+  const std::uint64_t value = little_endian(request.data);
+  switch (request.id) {
+    case kSaveId:
+      if (!use_token(request)) {
+        return false;
+      }
+      registers_.save();
+      return true;
+    case kResetId:
+      if (!use_token(request)) {
+        return false;
+      }
+      machine_.restart_at = at + settings_.restart_delay;
+      return true;
+    case kStreamId:
+      if (product_.stream(static_cast<std::uint32_t>(value))) {
+        registers_.set(request.id, request.data);
+        retime(at);
+      }
+      return true;
+    default:
+      registers_.set(request.id, request.data);
+      return true;
+  }
+}
+
+bool EmulatedLwnx::use_token(const LwnxRequest& request) {
+  if (little_endian(request.data) != token_) {
+    return false;
+  }
+  ++tokens_;
+  token_ = static_cast<std::uint16_t>(mix_seed(settings_.seed, tokens_));
+  return true;
+}
+
+void EmulatedLwnx::put_packet(std::uint8_t id, LwnxAccess access, Stamp at) {
+  build_packet(id, access, data_, packet_);
+  machine_.outbox.put_answer(packet_, at);
+}
+
+namespace {}  // namespace
+
+LwnxStream EmulatedLwnx::stream() const {
+  if (!is_lwnx_) {
+    return LwnxStream::Off;
+  }
+  return product_.stream(static_cast<std::uint32_t>(registers_.value(kStreamId))).value_or(LwnxStream::Off);
+}
+
+double EmulatedLwnx::rate_hz(LwnxStream stream) const {
+  const bool has_switch = product_.find(product_.ids.high_speed) != nullptr;
+  const bool is_fast = !has_switch || registers_.value(product_.ids.high_speed) == 1;
+  if (stream == LwnxStream::Raw && is_fast) {
+    return settings_.full_speed_hz;
+  }
+  return product_.rate_hz(registers_.value(product_.ids.update_rate)).value_or(1.0);
+}
+
+void EmulatedLwnx::retime(Stamp now) {
+  raw_.clear();
+  raw_measured_.clear();
+  const LwnxStream kind = stream();
+  if (kind == LwnxStream::Raw || kind == LwnxStream::Cm || kind == LwnxStream::Mm) {
+    machine_.timer.start_after(now, rate_hz(kind));
+  } else {
+    machine_.timer.stop();
+  }
+}
+
+bool EmulatedLwnx::tells_strength() const {
+  const LwnxStream kind = stream();
+  if (kind == LwnxStream::Raw) {
+    return false;
+  }
+  if (kind == LwnxStream::Mm && product_.mm_signals > 0) {
+    return true;
+  }
+  const std::uint64_t bits = registers_.value(product_.ids.distance_output);
+  for (std::size_t bit = 0; bit < product_.fields.size(); ++bit) {
+    if ((bits >> bit & 1U) != 0 && product_.fields[bit] == LwnxField::Strength) {
+      return true;
+    }
+  }
+  return false;
+}
+
+LwnxReading EmulatedLwnx::measure(Stamp at) {
+  if (registers_.value(kLaserId) == 0 || error_is_on(at)) {
+    return {};
+  }
+  const LwnxIds& ids = product_.ids;
+  return reader_.read(look(scene_, at, machine_.faults),
+                      {registers_.signed_value(ids.zero_offset) * product_.zero_offset_unit_m,
+                       static_cast<std::uint32_t>(registers_.value(ids.lost_counter)), tells_strength()});
+}
+
+void EmulatedLwnx::shoot(Stamp at) {
+  if (error_is_on(at)) {
+    return;  // text comes instead
+  }
+  const LwnxReading reading = measure(at);
+  const LwnxStream kind = stream();
+  if (kind == LwnxStream::Raw) {
+    stream_raw(reading, at);
+  } else {
+    stream_packet(kind, reading, at);
+  }
+}
+
+void EmulatedLwnx::stream_packet(LwnxStream stream, const LwnxReading& reading, Stamp at) {
+  data_.clear();
+  const std::uint64_t bits = registers_.value(product_.ids.distance_output);
+  if (stream == LwnxStream::Cm) {
+    pack_cm(product_, bits, reading, reader_.recent(reading), data_);
+    put_record(kCmId, {&at, 1}, at);
+  } else {
+    pack_mm(product_, bits, reading, reader_.recent(reading), data_);
+    put_record(kMmId, {&at, 1}, at);
+  }
+}
+
+void EmulatedLwnx::stream_raw(const LwnxReading& reading, Stamp at) {
+  append_little_endian(distance_word(reading, reading.range_m, {100.0, 2, product_.no_return}), 2, raw_);
+  raw_measured_.push_back(at);
+  if (raw_measured_.size() < settings_.raw_readings) {
+    return;
+  }
+  data_.assign(1, settings_.raw_readings);
+  data_.insert(data_.end(), raw_.begin(), raw_.end());
+  put_record(kRawId, raw_measured_, at);
+  raw_.clear();
+  raw_measured_.clear();
+}
+
+void EmulatedLwnx::put_record(std::uint8_t id, std::span<const Stamp> measured, Stamp at) {
+  build_packet(id, LwnxAccess::Read, data_, packet_);
+  if (machine_.faults.take(FaultKind::BadChecksum)) {
+    packet_.back() ^= 0x5AU;
+  }
+  machine_.outbox.put_record(packet_, measured, at);
 }
 
 }  // namespace slamsensor::tools

@@ -1,9 +1,89 @@
 #include "tools/emulator/rangefinder/lwnx_product.hpp"
 
 #include <algorithm>
-#include <array>
 
 namespace slamsensor::tools {
+namespace {
+
+constexpr std::uint8_t kStart = 0xAA;
+constexpr std::size_t kHeaderBytes = 3;
+constexpr std::size_t kCrcBytes = 2;
+constexpr std::size_t kPayloadMax = 160;  // the longest request is a page of firmware: 131
+constexpr hal::Stamp kPause = std::chrono::milliseconds(100);
+
+}  // namespace
+
+void append_little_endian(std::int64_t value, std::size_t bytes, std::vector<std::uint8_t>& data) {
+  auto bits = static_cast<std::uint64_t>(value);
+  for (std::size_t i = 0; i < bytes; ++i) {
+    data.push_back(static_cast<std::uint8_t>(bits & 0xFFU));
+    bits >>= 8U;
+  }
+}
+
+std::uint64_t little_endian(std::span<const std::uint8_t> data) {
+  std::uint64_t value = 0;
+  for (std::size_t i = std::min<std::size_t>(data.size(), 8); i > 0; --i) {
+    value = value << 8U | data[i - 1];
+  }
+  return value;
+}
+
+void build_packet(std::uint8_t id, LwnxAccess access, std::span<const std::uint8_t> data,
+                  std::vector<std::uint8_t>& packet) {
+  const auto length = static_cast<std::int64_t>(data.size() + 1);
+  packet.clear();
+  packet.push_back(kStart);
+  append_little_endian(length * 64 + (access == LwnxAccess::Write ? 1 : 0), 2, packet);
+  packet.push_back(id);
+  packet.insert(packet.end(), data.begin(), data.end());
+  append_little_endian(crc16_xmodem(packet), kCrcBytes, packet);
+}
+
+std::optional<LwnxRequest> LwnxReceiver::push(std::uint8_t byte, hal::Stamp at) {
+  if (at - last_byte_ > kPause) {
+    buffer_.clear();
+  }
+  last_byte_ = at;
+  if (buffer_.empty() && byte != kStart) {
+    return std::nullopt;
+  }
+  buffer_.push_back(byte);
+  return take_request();
+}
+
+std::optional<LwnxRequest> LwnxReceiver::take_request() {
+  while (buffer_.size() >= kHeaderBytes) {
+    const std::size_t whole = packet_bytes();
+    if (whole != 0 && buffer_.size() < whole) {
+      return std::nullopt;
+    }
+    const std::span<const std::uint8_t> packet(buffer_.data(), whole);
+    if (whole == 0 ||
+        crc16_xmodem(packet.first(whole - kCrcBytes)) != little_endian(packet.last(kCrcBytes))) {
+      ++refused_;
+      skip_false_start();
+      continue;
+    }
+    LwnxRequest request;
+    request.id = packet[kHeaderBytes];
+    request.access = (packet[1] & 1U) != 0 ? LwnxAccess::Write : LwnxAccess::Read;
+    request.data.assign(packet.begin() + kHeaderBytes + 1, packet.end() - kCrcBytes);
+    buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(whole));
+    return request;
+  }
+  return std::nullopt;
+}
+
+std::size_t LwnxReceiver::packet_bytes() const {
+  const std::size_t payload = static_cast<std::size_t>(buffer_[2]) * 4 + buffer_[1] / 64U;
+  return payload == 0 || payload > kPayloadMax ? 0 : kHeaderBytes + payload + kCrcBytes;
+}
+
+void LwnxReceiver::skip_false_start() {
+  buffer_.erase(buffer_.begin(), std::find(buffer_.begin() + 1, buffer_.end(), kStart));
+}
+
 namespace {
 
 constexpr auto kSaved = LwnxRegister::Keeps::WhenSaved;
@@ -19,7 +99,7 @@ std::int64_t baud_value(const LwnxProduct& product) {
   return lwnx_baud_value(product.baud).value_or(4);
 }
 
-/// What every product has: identity, user data, token, save, reset, firmware, stream, data, laser.
+/// What every product has: identity, user data, token, save, reset, stream, data, laser.
 void add_common(LwnxProduct& product) {
   add(product, {{0, 16, {}},
                 {1, 4, {}, kLost, 11},
@@ -29,8 +109,6 @@ void add_common(LwnxProduct& product) {
                 {10, 2, {}},
                 {12, 0, 2},
                 {14, 0, 2},
-                {16, 4, 130},
-                {17, 4, 0},
                 {30, 4, 4},
                 {44, 1, {}},
                 {50, 1, 1, kLost, 1}});
@@ -40,7 +118,6 @@ void add_common(LwnxProduct& product) {
 LwnxProduct lw20(const char* name) {
   LwnxProduct product;
   product.name = name;
-  product.text_name = name;
   product.ids = {27, 55, 93, 70, 85, 94, 95, 90};
   product.unanswered_first = 1;
   product.unanswered_packets = 1;
@@ -54,7 +131,6 @@ LwnxProduct lw20(const char* name) {
   add(product, {{20, 4, {}, kLost, 5000},
                 {27, 4, 4, kLost, 0x11},
                 {28, 1, 1, kSaved},
-                {31, 1, 1},
                 {40, 1, {}},
                 {55, 4, {}, kLost, 2350},
                 {70, 1, 1},
@@ -75,7 +151,6 @@ LwnxProduct lw20(const char* name) {
 LwnxProduct sf_family(const char* name) {
   LwnxProduct product;
   product.name = name;
-  product.text_name = name;
   // Not published; as far as the codes of the LW20 go they are taken to mean the same.
   product.rates_hz = {48, 55, 64, 77, 97, 129, 194, 388, 625, 1250, 2500, 5000};
   using enum LwnxField;
@@ -98,8 +173,6 @@ LwnxProduct sf_family(const char* name) {
 LwnxProduct sf11() {
   LwnxProduct product = sf_family("SF11");
   product.fields = lw20("SF11").fields;
-  product.text_name = "SF11/C";
-  product.text_style = LwnxTextStyle::Sf11;
   product.unanswered_packets = 1;  // its sample sends one to switch LWNX on
   product.rates_hz = {20};
   product.find(66)->initial = 1;
@@ -154,7 +227,6 @@ LwnxProduct sf30d() {
 LwnxProduct grf500() {
   LwnxProduct product;
   product.name = "GRF-500";
-  product.text_name = "GRF-500";
   product.ids = {27, 55, 74, 255, 255, 114, 78, 91};
   using enum LwnxField;
   product.fields = {Raw, Median, Strength, Raw, Median, Strength, Temperature, Alarm};
@@ -258,6 +330,54 @@ std::optional<std::uint8_t> lwnx_baud_value(std::uint32_t baud) {
   const auto found = std::ranges::find(kBauds, baud);
   return found != kBauds.end() ? std::optional(static_cast<std::uint8_t>(found - kBauds.begin()))
                                : std::nullopt;
+}
+
+LwnxRegisters::LwnxRegisters(const LwnxProduct& product) : product_(product) {
+  for (const LwnxRegister& each : product.registers) {
+    append_little_endian(each.initial, each.read_bytes, now_[each.id]);
+  }
+  save_all();
+}
+
+std::span<const std::uint8_t> LwnxRegisters::bytes(std::uint8_t id) const {
+  return now_[id];
+}
+
+std::uint64_t LwnxRegisters::value(std::uint8_t id) const {
+  return little_endian(now_[id]);
+}
+
+std::int32_t LwnxRegisters::signed_value(std::uint8_t id) const {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(value(id)));
+}
+
+void LwnxRegisters::set(std::uint8_t id, std::span<const std::uint8_t> bytes) {
+  const std::size_t width = now_[id].size();
+  now_[id].assign(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(width, bytes.size())));
+  now_[id].resize(width);
+}
+
+void LwnxRegisters::set(std::uint8_t id, std::uint64_t value) {
+  std::vector<std::uint8_t> bytes;
+  append_little_endian(static_cast<std::int64_t>(value), now_[id].size(), bytes);
+  now_[id] = bytes;
+}
+
+void LwnxRegisters::set_text(std::uint8_t id, std::string_view text) {
+  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+  set(id, bytes);
+}
+
+void LwnxRegisters::save() {
+  for (const LwnxRegister& each : product_.registers) {
+    if (each.keeps == LwnxRegister::Keeps::WhenSaved) {
+      save(each.id);
+    }
+  }
+}
+
+void LwnxRegisters::save(std::uint8_t id) {
+  saved_[id] = now_[id];
 }
 
 }  // namespace slamsensor::tools

@@ -1,12 +1,82 @@
 #pragma once
 
+#include "hal/stamp.hpp"
+
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace slamsensor::tools {
+
+/// CRC-16/XMODEM (polynomial 0x1021, start 0, nothing reflected or inverted): 0x31C3 for "123456789".
+[[nodiscard]] constexpr std::uint16_t crc16_xmodem(std::span<const std::uint8_t> bytes) {
+  constexpr auto kTable = [] {
+    std::array<std::uint16_t, 256> table{};
+    for (unsigned high = 0; high < table.size(); ++high) {
+      unsigned remainder = high << 8U;
+      for (int bit = 0; bit < 8; ++bit) {
+        remainder = (remainder << 1U) ^ ((remainder & 0x8000U) != 0U ? 0x1021U : 0U);
+      }
+      table[high] = static_cast<std::uint16_t>(remainder);
+    }
+    return table;
+  }();
+  std::uint16_t crc = 0;
+  for (const std::uint8_t byte : bytes) {
+    const auto index = static_cast<std::uint8_t>((crc >> 8U) ^ byte);
+    crc = static_cast<std::uint16_t>((crc << 8U) ^ kTable[index]);
+  }
+  return crc;
+}
+
+enum class LwnxAccess : std::uint8_t { Read, Write };
+
+/// A request of the host that arrived whole.
+struct LwnxRequest {
+  std::uint8_t id = 0;
+  LwnxAccess access = LwnxAccess::Read;
+  std::vector<std::uint8_t> data;
+};
+
+/// The packet that carries `data` (at most 1022 bytes) under `id`, in place of what was in `packet`: start,
+/// length and access, ID, data, CRC (LW20 serial manual).
+void build_packet(std::uint8_t id, LwnxAccess access, std::span<const std::uint8_t> data,
+                  std::vector<std::uint8_t>& packet);
+
+/// Finds the host's requests between other bytes. A packet that stops for 100 ms is forgotten; after a wrong
+/// CRC the search goes on one byte behind the false start.
+class LwnxReceiver {
+ public:
+  /// Takes a byte that arrived at `at`; a request when it completes one.
+  [[nodiscard]] std::optional<LwnxRequest> push(std::uint8_t byte, hal::Stamp at);
+
+  /// Whether a packet has begun and is not complete.
+  [[nodiscard]] bool in_packet() const { return !buffer_.empty(); }
+
+  void clear() { buffer_.clear(); }
+
+  /// Packets with a wrong CRC or an impossible length.
+  [[nodiscard]] std::uint64_t refused() const { return refused_; }
+
+ private:
+  [[nodiscard]] std::optional<LwnxRequest> take_request();
+  [[nodiscard]] std::size_t packet_bytes() const;
+  void skip_false_start();
+
+  std::vector<std::uint8_t> buffer_;
+  hal::Stamp last_byte_{};
+  std::uint64_t refused_ = 0;
+};
+
+/// `value` in `bytes` bytes, least significant first, at the end of `data`.
+void append_little_endian(std::int64_t value, std::size_t bytes, std::vector<std::uint8_t>& data);
+
+/// All of `data` as an unsigned number, least significant byte first; at most 8 bytes.
+[[nodiscard]] std::uint64_t little_endian(std::span<const std::uint8_t> data);
 
 enum class LwnxModel : std::uint8_t { Lw20, Sf20, Lw24, Sf000, Sf11, Sf30d, Sf45b, Grf500 };
 
@@ -53,13 +123,9 @@ struct LwnxIds {
   std::uint8_t baud = 79;
 };
 
-/// How ASCII answers look: "ldf,0:12.34" or "?LD 12.34".
-enum class LwnxTextStyle : std::uint8_t { Sf20, Sf11 };
-
 /// A LightWare product as its manual, LightWare's samples and the public drivers describe it.
 struct LwnxProduct {
-  std::string name;       ///< answer to command 0
-  std::string text_name;  ///< in ASCII answers
+  std::string name;  ///< answer to command 0
   LwnxIds ids;
   std::vector<LwnxRegister> registers;
   std::vector<LwnxField> fields;    ///< bit 0 first
@@ -74,9 +140,8 @@ struct LwnxProduct {
   std::uint32_t baud = 115200;          ///< from the factory
   std::uint8_t unanswered_first = 0;    ///< serial commands after power-up that choose the interface
   std::uint8_t unanswered_packets = 0;  ///< packets after that which only switch LWNX on
-  LwnxTextStyle text_style = LwnxTextStyle::Sf20;
-  std::int64_t no_return = -1;      ///< distance word of ID 40 and 44 when nothing came back
-  std::int64_t no_return_mm = -10;  ///< the same of ID 45
+  std::int64_t no_return = -1;          ///< distance word of ID 40 and 44 when nothing came back
+  std::int64_t no_return_mm = -10;      ///< the same of ID 45
 
   [[nodiscard]] const LwnxRegister* find(std::uint8_t id) const;
   [[nodiscard]] LwnxRegister* find(std::uint8_t id);
@@ -96,5 +161,46 @@ struct LwnxProduct {
 
 /// The value that stands for `baud`; nothing when none does.
 [[nodiscard]] std::optional<std::uint8_t> lwnx_baud_value(std::uint32_t baud);
+
+/// The settings of a LightWare device: what they are now, and what they will be after the next start.
+class LwnxRegisters {
+ public:
+  /// The factory's values of `product`, which outlives this.
+  explicit LwnxRegisters(const LwnxProduct& product);
+
+  /// The bytes that a read of `id` returns; empty when it cannot be read.
+  [[nodiscard]] std::span<const std::uint8_t> bytes(std::uint8_t id) const;
+
+  /// The same as a number; 0 for a command the product does not have.
+  [[nodiscard]] std::uint64_t value(std::uint8_t id) const;
+
+  /// The same as a signed number of four bytes.
+  [[nodiscard]] std::int32_t signed_value(std::uint8_t id) const;
+
+  void set(std::uint8_t id, std::span<const std::uint8_t> bytes);
+  void set(std::uint8_t id, std::uint64_t value);
+
+  /// `text` cut to the width of `id`, zeros behind it.
+  void set_text(std::uint8_t id, std::string_view text);
+
+  /// Keeps the values that the product keeps.
+  void save();
+
+  /// `id` alone is kept as it is.
+  void save(std::uint8_t id);
+
+  /// The values after a start: the saved ones, the factory's where nothing is kept.
+  void restore() { now_ = saved_; }
+
+  /// The present values are the factory's: for a device that was set up before it was switched on.
+  void save_all() { saved_ = now_; }
+
+ private:
+  using Values = std::array<std::vector<std::uint8_t>, 256>;
+
+  const LwnxProduct& product_;
+  Values now_;
+  Values saved_;
+};
 
 }  // namespace slamsensor::tools

@@ -1,13 +1,82 @@
 #pragma once
 
-#include "tools/emulator/rangefinder/tf03_settings.hpp"
+#include "tools/emulator/head_profile.hpp"
+#include "tools/emulator/rangefinder/laser_machine.hpp"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
 namespace slamsensor::tools {
+
+/// The Benewake rangefinders that share the nine-byte frame.
+enum class BenewakeModel : std::uint8_t { Tf03, TfMini, TfMiniPlus, TfMiniS, Tf02 };
+
+enum class Tf03Wire : std::uint8_t { Uart, Can };
+enum class Tf03Format : std::uint8_t { Frames = 1, Text = 2 };  ///< as command 05 counts them
+enum class Tf03Switch : std::uint8_t { Off = 0, On = 1 };
+
+/// What the commands change (TF03 manual V1.2.2, table 8). A member that only counts after save and restart
+/// is marked so.
+struct Tf03Parameters {
+  std::uint32_t rate_hz = 100;  ///< 0: only on a trigger
+  Tf03Format format = Tf03Format::Frames;
+  Tf03Switch output = Tf03Switch::On;
+  Tf03Switch checks_sums = Tf03Switch::On;
+  std::uint16_t over_range_cm = 18'000;  ///< told when nothing, or something farther, came back; 0: no limit
+  std::uint32_t baud = 115200;           ///< restart
+  Tf03Wire wire = Tf03Wire::Uart;        ///< restart
+  std::uint32_t can_send_id = 0x3;       ///< restart
+  std::uint32_t can_receive_id = 0x3003;
+  std::uint32_t can_baud = 1'000'000;  ///< restart
+  Tf03Switch can_extended = Tf03Switch::Off;
+};
+
+/// Whether another line rate counts at once or after save and restart (manual V0.4 says the latter).
+enum class Tf03BaudChange : std::uint8_t { AtOnce, AfterRestart };
+
+/// What a blinded device tells: the distance it believes in, or that it sees nothing.
+enum class Tf03Blinded : std::uint8_t { Distance, NoReturn };
+
+/// How an EmulatedTf03 or EmulatedTf03Can is built and set up. What the manuals do not tell is a setting.
+struct Tf03Settings {
+  BenewakeModel model = BenewakeModel::Tf03;
+  DeviceBegin begin = DeviceBegin::PowerUp;
+  Tf03Parameters saved;  ///< in its flash when it is switched on
+  OutboxDelays delays;
+  double crystal_ppm = 0.0;
+  Stamp boot_time = std::chrono::milliseconds(300);
+  Stamp restart_delay = std::chrono::milliseconds(20);  ///< from the reset command to the restart
+  std::uint32_t transmit_buffer_bytes = 64;
+  std::uint64_t seed = 1;
+
+  StrengthModel strength{1.44e6, 3500.0};  ///< 40 for 90 % at 180 m, and for 10 % at 60 m
+  double strength_min = 40.0;              ///< below it nothing is told but "no return"
+  std::uint16_t strength_of_nothing = 12;
+  std::uint16_t strength_of_weak = 30;       ///< while the fault WeakSignal lasts
+  std::uint16_t strength_of_blinded = 4000;  ///< while the fault Saturation lasts
+  Tf03Blinded blinded = Tf03Blinded::Distance;
+  std::uint16_t no_return_cm = 18'000;  ///< of the relatives; the TF03 has over_range_cm
+  double temperature_c = 25.0;          ///< told by TFmini Plus and TFmini-S
+
+  Tf03BaudChange baud_change = Tf03BaudChange::AfterRestart;
+  std::uint8_t use_can_code = 2;  ///< of command 45; inferred, 1 is UART
+  std::uint8_t can_bytes = 8;     ///< 6 or 8 in a frame: the manuals differ
+  Tf03Switch can_commands = Tf03Switch::On;
+  std::uint32_t bus_baud = 1'000'000;  ///< of the bus it hangs on; at another rate it is deaf and mute
+  std::array<std::uint8_t, 3> version = {2, 2, 1};  ///< 1.2.2, lowest first
+};
+
+/// The settings of `model` as it leaves the factory: its code and strength for "no return" among them.
+[[nodiscard]] Tf03Settings tf03_settings(BenewakeModel model);
+
+/// Sets the rate that is in its flash; the nearest it knows.
+void set_rate(Tf03Settings& settings, double rate_hz);
+
+/// The nearest rate of the form n x 10^k (n 1 to 9, k 0 to 3) or 10,000 Hz.
+[[nodiscard]] std::uint32_t nearest_tf03_rate(double rate_hz);
 
 /// What a frame tells: the words of distance and strength, whatever they stand for.
 struct Tf03Words {

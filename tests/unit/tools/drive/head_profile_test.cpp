@@ -3,7 +3,7 @@
 #include "firmware/config/load_config.hpp"
 #include "firmware/scan/scan_plan.hpp"
 #include "tests/support/source_tree.hpp"
-#include "tools/drive/head_drivers.hpp"
+#include "tools/drive/byte_drive.hpp"
 #include "tools/emulator/scenario.hpp"
 
 #include <gtest/gtest.h>

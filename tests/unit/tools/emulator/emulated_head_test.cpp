@@ -1,7 +1,6 @@
 #include "tools/emulator/emulated_head.hpp"
 
 #include "tests/unit/tools/emulator/small_devices.hpp"
-#include "tools/emulator/in_process_head.hpp"
 
 #include <gtest/gtest.h>
 

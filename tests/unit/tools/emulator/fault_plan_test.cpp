@@ -1,4 +1,4 @@
-#include "tools/emulator/fault_plan.hpp"
+#include "tools/emulator/fault.hpp"
 
 #include <gtest/gtest.h>
 

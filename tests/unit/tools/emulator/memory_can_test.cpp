@@ -1,7 +1,5 @@
 #include "tests/unit/tools/emulator/small_devices.hpp"
-#include "tools/emulator/can_frame_time.hpp"
 #include "tools/emulator/memory_can_bus.hpp"
-#include "tools/emulator/memory_can_link.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,5 @@
-#include "tools/emulator/memory_link.hpp"
-
 #include "tests/unit/tools/emulator/small_devices.hpp"
+#include "tools/emulator/emulated_port.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,5 @@
-#include "tools/emulator/pseudo_terminal.hpp"
-
 #include "tests/unit/tools/emulator/small_devices.hpp"
-#include "tools/emulator/pty_port.hpp"
+#include "tools/emulator/real_time_head.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The head with the devices of its profiles: spoken to in bytes, as a host would, and checked against the
 // truth.
-#include "tools/emulator/in_process_head.hpp"
+#include "tools/emulator/emulated_head.hpp"
 #include "tools/emulator/scenario.hpp"
 
 #include <gtest/gtest.h>

@@ -1,8 +1,6 @@
 #include "tests/unit/tools/emulator/small_devices.hpp"
-#include "tools/emulator/can_port.hpp"
-#include "tools/emulator/head_truth.hpp"
-#include "tools/emulator/lateness.hpp"
-#include "tools/emulator/memory_can_link.hpp"
+#include "tools/emulator/emulated_head.hpp"
+#include "tools/emulator/memory_can_bus.hpp"
 #include "tools/emulator/real_time_head.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "tools/emulator/serial_wire.hpp"
+#include "tools/emulator/emulated_port.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,5 @@
 #include "tools/eval/evaluation.hpp"
 
-#include "tools/eval/evaluation_report.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

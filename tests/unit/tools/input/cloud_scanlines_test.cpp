@@ -1,4 +1,4 @@
-#include "tools/input/cloud_scanlines.hpp"
+#include "tools/input/pcd.hpp"
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>

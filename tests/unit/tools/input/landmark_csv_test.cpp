@@ -1,4 +1,4 @@
-#include "tools/input/landmark_csv.hpp"
+#include "tools/input/text_files.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

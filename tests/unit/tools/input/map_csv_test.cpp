@@ -1,6 +1,5 @@
-#include "tools/input/map_csv.hpp"
-
 #include "tests/unit/tools/input/temp_folder.hpp"
+#include "tools/input/text_files.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

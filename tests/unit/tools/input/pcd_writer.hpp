@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <liblzf/lzf.h>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,47 +34,11 @@ void append_value(std::string& bytes, T value) {
   bytes.append(raw, sizeof value);
 }
 
-/// `bytes` in the LZF format, searched naively: copies where at least three bytes repeat, literals elsewhere.
+/// `bytes` in the LZF format.
 inline std::string pack_lzf(std::string_view bytes) {
-  std::string packed;
-  std::string literals;
-  const auto flush = [&] {
-    for (std::size_t at = 0; at < literals.size(); at += 32) {
-      const std::string part = literals.substr(at, 32);
-      packed += static_cast<char>(part.size() - 1);
-      packed += part;
-    }
-    literals.clear();
-  };
-  for (std::size_t at = 0; at < bytes.size();) {
-    std::size_t best_length = 0;
-    std::size_t best_distance = 0;
-    for (std::size_t distance = 1; distance <= at && distance <= 8192; ++distance) {
-      std::size_t length = 0;
-      while (length < 264 && at + length < bytes.size() &&
-             bytes[at + length] == bytes[at + length - distance]) {
-        ++length;
-      }
-      if (length > best_length) {
-        best_length = length;
-        best_distance = distance;
-      }
-    }
-    if (best_length < 3) {
-      literals += bytes[at++];
-      continue;
-    }
-    flush();
-    const std::size_t length = best_length - 2;
-    const std::size_t offset = best_distance - 1;
-    packed += static_cast<char>((length < 7 ? length : 7) << 5U | offset >> 8U);
-    if (length >= 7) {
-      packed += static_cast<char>(length - 7);
-    }
-    packed += static_cast<char>(offset & 0xFFU);
-    at += best_length;
-  }
-  flush();
+  std::string packed(bytes.size() + bytes.size() / 16 + 64, '\0');
+  packed.resize(lzf_compress(bytes.data(), static_cast<unsigned>(bytes.size()), packed.data(),
+                             static_cast<unsigned>(packed.size())));
   return packed;
 }
 

@@ -1,7 +1,6 @@
-#include "tools/input/readings_csv.hpp"
-
 #include "core/config.hpp"
 #include "core/detection/levelling.hpp"
+#include "tools/input/text_files.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

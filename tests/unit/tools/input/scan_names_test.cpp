@@ -1,6 +1,6 @@
 #include "tools/input/scan_names.hpp"
 
-#include "tools/input/input_scan.hpp"
+#include "tools/input/scan_source.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,7 +2,6 @@
 
 #include "tests/unit/tools/input/pcd_writer.hpp"
 #include "tests/unit/tools/input/temp_folder.hpp"
-#include "tools/input/scan_files.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,4 @@
-#include "tools/output/fixes_csv.hpp"
-#include "tools/output/map_csv.hpp"
-#include "tools/output/trajectory_tum.hpp"
+#include "tools/output/result_files.hpp"
 
 #include <gtest/gtest.h>
 

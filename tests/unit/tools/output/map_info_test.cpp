@@ -1,6 +1,5 @@
-#include "tools/output/map_info.hpp"
-
 #include "tests/unit/firmware/store/sample_map.hpp"
+#include "tools/output/result_files.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,4 @@
-#include "tools/plot/axis_ticks.hpp"
-
-#include "tools/plot/palette.hpp"
+#include "tools/plot/scales.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

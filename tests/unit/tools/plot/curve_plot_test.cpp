@@ -1,7 +1,6 @@
 #include "tools/plot/curve_plot.hpp"
 
 #include "tests/unit/tools/plot/xml_check.hpp"
-#include "tools/plot/curve_frame.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

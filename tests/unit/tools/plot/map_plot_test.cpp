@@ -1,9 +1,7 @@
 #include "tools/plot/map_plot.hpp"
 
 #include "tests/unit/tools/plot/xml_check.hpp"
-#include "tools/plot/map_frame.hpp"
-#include "tools/plot/svg_writer.hpp"
-#include "tools/plot/xml_text.hpp"
+#include "tools/plot/svg.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -47,7 +45,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 
 struct Number {
   std::string words;
-  Box box;
+  PixelBox box;
 };
 
 // The scan numbers of the picture's last panel, with their extents.

@@ -1,4 +1,4 @@
-#include "tools/plot/xml_text.hpp"
+#include "tools/plot/svg.hpp"
 
 #include <gtest/gtest.h>
 

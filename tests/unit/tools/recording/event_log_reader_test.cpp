@@ -1,7 +1,6 @@
-#include "tools/recording/event_log_reader.hpp"
-
 #include "firmware/recording/event_log_writer.hpp"
 #include "tests/unit/tools/input/temp_folder.hpp"
+#include "tools/recording/recording_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,10 +5,10 @@
 #include "tests/support/source_tree.hpp"
 #include "tests/unit/tools/input/temp_folder.hpp"
 #include "tests/unit/tools/recording/recording_bench.hpp"
-#include "tools/recording/head_playback.hpp"
-#include "tools/recording/record_drive.hpp"
+#include "tools/recording/playback.hpp"
+#include "tools/recording/record.hpp"
 #include "tools/recording/recording_file.hpp"
-#include "tools/replay/replay_recording.hpp"
+#include "tools/replay/replay.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include "firmware/recording/tape_writer.hpp"
 #include "tests/unit/firmware/recording/kept_chunks.hpp"
-#include "tools/recording/tape_player.hpp"
+#include "tools/recording/playback.hpp"
 
 #include <functional>
 #include <vector>

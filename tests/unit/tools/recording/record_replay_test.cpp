@@ -2,9 +2,9 @@
 #include "firmware/recording/messages.hpp"
 #include "tests/unit/tools/recording/recording_bench.hpp"
 #include "tools/drive/byte_drive.hpp"
-#include "tools/recording/event_log_reader.hpp"
-#include "tools/recording/head_playback.hpp"
-#include "tools/replay/replay_recording.hpp"
+#include "tools/recording/playback.hpp"
+#include "tools/recording/recording_file.hpp"
+#include "tools/replay/replay.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

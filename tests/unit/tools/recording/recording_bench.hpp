@@ -3,8 +3,8 @@
 #include "firmware/recording/config_toml.hpp"
 #include "tests/support/source_tree.hpp"
 #include "tests/unit/tools/input/temp_folder.hpp"
-#include "tools/recording/record_drive.hpp"
-#include "tools/replay/replay_recording.hpp"
+#include "tools/recording/record.hpp"
+#include "tools/replay/replay.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,5 @@
-#include "tools/recording/tape_player.hpp"
-
 #include "tests/unit/tools/recording/made_tape.hpp"
-#include "tools/recording/playback_links.hpp"
+#include "tools/recording/playback.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

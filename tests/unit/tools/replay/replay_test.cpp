@@ -1,7 +1,7 @@
 #include "tools/replay/replay.hpp"
 
 #include "tests/support/forest.hpp"
-#include "tools/input/tum.hpp"
+#include "tools/input/text_files.hpp"
 #include "tools/replay/replay_report.hpp"
 
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 #include "firmware/scan/sensor_head.hpp"
 #include "tests/support/fake_head.hpp"
 #include "tests/support/source_tree.hpp"
-#include "tools/world/sweep.hpp"
+#include "tools/world/simulate.hpp"
 #include "tools/world/world.hpp"
-#include "tools/world/world_loader.hpp"
+#include "tools/world/world_config.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,6 @@
 #include "tools/spy/channel_table.hpp"
 
 #include "tests/unit/firmware/lcm/sample_reports.hpp"
-#include "tools/spy/known_types.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
-#include "tools/spy/lcm_reassembler.hpp"
-
 #include "tests/unit/tools/spy/packets.hpp"
+#include "tools/spy/lcm_receiver.hpp"
 
 #include <gtest/gtest.h>
 

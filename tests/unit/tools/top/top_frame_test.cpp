@@ -1,7 +1,7 @@
 #include "tools/top/top_frame.hpp"
 
 #include "tests/unit/firmware/lcm/sample_reports.hpp"
-#include "tools/top/text_line.hpp"
+#include "tools/top/canvas.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

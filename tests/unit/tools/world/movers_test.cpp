@@ -1,4 +1,4 @@
-#include "tools/world/movers.hpp"
+#include "tools/world/population.hpp"
 
 #include <gtest/gtest.h>
 

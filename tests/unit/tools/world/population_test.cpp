@@ -1,6 +1,5 @@
 #include "tools/world/population.hpp"
 
-#include "tools/world/movers.hpp"
 #include "tools/world/random.hpp"
 
 #include <gtest/gtest.h>

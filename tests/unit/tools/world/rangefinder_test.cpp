@@ -1,4 +1,4 @@
-#include "tools/world/rangefinder.hpp"
+#include "tools/world/world.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,5 @@
-#include "tools/world/shape_grid.hpp"
-
 #include "tools/world/random.hpp"
+#include "tools/world/shapes.hpp"
 
 #include <gtest/gtest.h>
 

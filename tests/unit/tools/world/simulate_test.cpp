@@ -1,7 +1,5 @@
 #include "tools/world/simulate.hpp"
 
-#include "tools/world/simulate_files.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "tools/world/sweep.hpp"
+#include "tools/world/simulate.hpp"
 
 #include <gtest/gtest.h>
 

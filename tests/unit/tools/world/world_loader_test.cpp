@@ -1,8 +1,6 @@
-#include "tools/world/world_loader.hpp"
-
 #include "tests/support/source_tree.hpp"
-#include "tools/world/stems_csv.hpp"
 #include "tools/world/world.hpp"
+#include "tools/world/world_config.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tools/emulator/canopen/emulated_canopen_head.hpp"
+#include "tools/emulator/canopen/emulated_drive.hpp"
 
 #include <cstdio>
 #include <string>

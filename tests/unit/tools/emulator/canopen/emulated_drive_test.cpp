@@ -156,7 +156,7 @@ TEST(EmulatedDrive, StopsAtItsLimits) {
 }
 
 TEST(EmulatedDrive, FindsHome) {
-  for (const char* const method : {"01", "02", "11", "12", "21", "22", "23", "25"}) {
+  for (const char* const method : {"11", "12", "23", "25"}) {
     DriveSettings settings = DriveRig::ready();
     settings.memory = DriveMemory::Incremental;
     settings.start = 1000;
@@ -174,38 +174,26 @@ TEST(EmulatedDrive, FindsHome) {
     const double edge = static_cast<double>(settings.upper_limit + settings.switch_margin);
     if (name == "11" || name == "12") {
       EXPECT_NEAR(truth, name == "11" ? -edge : edge, 1e-3);
-    } else if (name == "23" || name == "25") {
-      EXPECT_NEAR(truth, 1000.0, 1e-6);
     } else {
-      EXPECT_NEAR(std::remainder(truth, 4096.0), 0.0, 1e-3) << method;
+      EXPECT_NEAR(truth, 1000.0, 1e-6);
     }
   }
 }
 
-TEST(EmulatedDrive, SaysThatItIsHomedAsLongAsItsSettingsSay) {
-  struct Case {
-    DriveMemory memory;
-    DriveHomedBit bit;
-    bool at_first;
-    bool after_homing;
-  };
-  for (const Case& drive : {Case{DriveMemory::Absolute, DriveHomedBit::WhileTrue, true, true},
-                            Case{DriveMemory::Absolute, DriveHomedBit::UntilLeaving, false, false},
-                            Case{DriveMemory::Incremental, DriveHomedBit::WhileTrue, false, true},
-                            Case{DriveMemory::Incremental, DriveHomedBit::UntilLeaving, false, false}}) {
+TEST(EmulatedDrive, SaysThatItIsHomedAsLongAsItKnowsItsPlace) {
+  for (const DriveMemory memory : {DriveMemory::Absolute, DriveMemory::Incremental}) {
     DriveSettings settings = DriveRig::ready();
-    settings.memory = drive.memory;
-    settings.homed_bit = drive.bit;
+    settings.memory = memory;
     DriveRig rig(settings);
     rig.ask("601 2F 60 60 00 06 00 00 00");
     enable(rig);
-    EXPECT_EQ(rig.ask(kStatus), status(drive.at_first ? "37 16" : "37 06"));
+    EXPECT_EQ(rig.ask(kStatus), status(memory == DriveMemory::Absolute ? "37 16" : "37 06"));
     rig.ask("601 2F 98 60 00 25 00 00 00");
     rig.ask(word("1F 00"), 1s);
     EXPECT_EQ(rig.ask(kStatus), status("37 16"));
     rig.ask("601 2F 60 60 00 01 00 00 00");
     rig.ask("601 2F 60 60 00 06 00 00 00");
-    EXPECT_EQ(rig.ask(kStatus), status(drive.after_homing ? "37 16" : "37 06"));
+    EXPECT_EQ(rig.ask(kStatus), status("37 16"));
   }
 }
 
@@ -258,19 +246,6 @@ TEST(EmulatedDrive, KnowsItsFaults) {
   EXPECT_EQ(rig.ask(kStatus, 1499ms), "");
   rig.pass(1ms);
   EXPECT_EQ(rig.heard(), "701 00");
-}
-
-TEST(EmulatedDrive, RefusesWhatItsSettingsForbid) {
-  DriveSettings settings = DriveRig::ready();
-  settings.mapping = DriveMapping::Fixed;
-  settings.remote_bit = DriveRemoteBit::Required;
-  settings.limit_rule = DriveLimitRule::Refuse;
-  DriveRig rig(settings);
-  EXPECT_EQ(rig.ask("601 40 00 18 01 00 00 00 00"), "581 43 00 18 01 81 01 00 40");
-  EXPECT_EQ(rig.ask("601 23 00 18 01 81 01 00 80"), "581 80 00 18 01 30 00 09 06");
-  EXPECT_EQ(rig.ask("601 23 00 18 01 81 01 00 C0"), "581 60 00 18 01 00 00 00 00");
-  EXPECT_EQ(rig.ask("601 2F 00 1A 00 00 00 00 00"), "581 80 00 1A 00 41 00 04 06");
-  EXPECT_EQ(rig.ask("601 23 7A 60 00 00 00 00 10"), "581 80 7A 60 00 31 00 09 06");
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 #include "core/config.hpp"
 #include "hal/inclination/cia410.hpp"
 #include "tests/support/source_tree.hpp"
-#include "tools/emulator/in_process_head.hpp"
-#include "tools/emulator/memory_can_link.hpp"
+#include "tools/emulator/emulated_head.hpp"
+#include "tools/emulator/memory_can_bus.hpp"
 #include "tools/emulator/scenario.hpp"
 
 #include <gtest/gtest.h>

@@ -26,11 +26,11 @@ struct Typed {
   std::string text;
 };
 
-// All the unit does by itself for 20 s: reset, moves, scan turns, tables, a wait, a stop that is hit.
+// All the unit does by itself for 20 s: reset, moves, velocities, tables, a wait, a stop that is hit.
 const std::vector<Typed>& script() {
   static const std::vector<Typed> kScript = {{4s, "PP1234 A PP "},    {6s, "PA3000 PS2500 PP-3000 TP500 "},
                                              {7s, "PS700 PO-10 "},    {9s, "S PP0 TP0 A "},
-                                             {13s, "M-300,300 "},     {15s, "x"},
+                                             {13s, "CV PS300 "},      {15s, "CI "},
                                              {16s, "LD PP4000 A PP "}};
   return kScript;
 }

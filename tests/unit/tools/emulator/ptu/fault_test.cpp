@@ -139,8 +139,8 @@ TEST(PtuStorm, ComesBackAfterEveryMixOfFaultsAndIsRepeatable) {
     settings.reset_time = 2s;
     PtuBench bench(settings, seed);
     Random rng(seed);
-    const std::vector<std::string> words = {"PP ", "PP2500 ", "A ",  "R ",   "CV PS-900 ",
-                                            "LD ", "M ",      "U3 ", "\x91", "H "};
+    const std::vector<std::string> words = {"PP ", "PP2500 ", "A ",  "R ", "CV PS-900 ",
+                                            "LD ", "DR ",     "U3 ", "S ", "H "};
     std::string all;
     for (int i = 0; i < 60; ++i) {
       bench.type(words[rng() % words.size()]);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tools/emulator/ptu/ptu_settings.hpp"
+#include "tools/emulator/ptu/ptu_head.hpp"
 
 #include <string>
 #include <vector>

@@ -7,40 +7,6 @@
 namespace slamsensor::tools {
 namespace {
 
-TEST(PtuSettingsTest, OldFirmwareSaysItInOtherWords) {
-  PtuSettings settings = exact_settings();
-  settings.wording = ptu_wording(PtuFirmware::Dp109);
-  PtuBench bench(settings);
-  bench.ask("ED ");
-  EXPECT_EQ(bench.ask("PS PB "),
-            "* Target Pan speed is 1000 positions/sec\r\n* Base Pan speed is 1000 positions/sec\r\n");
-  EXPECT_EQ(bench.ask("PR TO ", 300ms),
-            "* 185.1428 seconds arc per position\r\n* Target Tilt position is 0\r\n");
-  EXPECT_EQ(bench.ask("E EE "), "* Echoing OFF\r\n*\r\n");
-  EXPECT_EQ(bench.ask("PH TM ", 300ms),
-            "PH * Pan in LOW hold power mode\r\nTM * Tilt in REGULAR move power mode\r\n");
-}
-
-TEST(PtuSettingsTest, LinesCanEndWithACarriageReturnAlone) {
-  PtuSettings settings = exact_settings();
-  settings.line_end = "\r";
-  settings.line_feed = PtuLineFeed::Ignored;
-  PtuBench bench(settings);
-  EXPECT_EQ(bench.ask("FT PP "), "FT *\rPP * 0\r");
-  EXPECT_EQ(bench.ask("PP\n"), "PP");
-  EXPECT_EQ(bench.ask(" "), " * 0\r");
-}
-
-TEST(PtuSettingsTest, TheOffsetQueryTellsTheDesiredOrTheCurrentPosition) {
-  for (const auto told : {PtuOffsetQuery::Desired, PtuOffsetQuery::Current}) {
-    PtuSettings settings = exact_settings();
-    settings.offset_query = told;
-    PtuBench bench(settings);
-    bench.ask("ED FT PP2000 ");
-    EXPECT_EQ(bench.ask("PO ") == "* 2000\r\n", told == PtuOffsetQuery::Desired);
-  }
-}
-
 TEST(PtuSettingsTest, TheWordsOfAResetChooseOrAlsoReset) {
   PtuSettings settings = exact_settings();
   settings.reset_time = 1s;
@@ -49,12 +15,6 @@ TEST(PtuSettingsTest, TheWordsOfAResetChooseOrAlsoReset) {
   settings.reset_words = PtuResetWords::ChooseAndReset;
   PtuBench resets(settings);
   EXPECT_EQ(resets.ask("RP ", 1s), "RP !P!P*\r\n");
-}
-
-TEST(PtuSettingsTest, TheResetSpeedOfTheESeriesSetsItsTime) {
-  PtuBench bench(exact_settings(PtuKind::D300E));
-  bench.ask("ED FT RPS52266 RP ", 1900ms);  // 104532 positions for pan: 2 s
-  EXPECT_EQ(bench.ask(""), "*\r\n");
 }
 
 TEST(PtuSettingsTest, LatencyIsThatOfTheSettingsAndItsJitterRepeats) {

@@ -1,4 +1,4 @@
-#include "tools/emulator/ptu/trajectory.hpp"
+#include "tools/emulator/ptu/motion_plan.hpp"
 
 #include <gtest/gtest.h>
 

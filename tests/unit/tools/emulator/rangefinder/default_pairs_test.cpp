@@ -4,7 +4,6 @@
 #include "hal/rangefinder/lwnx_driver.hpp"
 #include "hal/rangefinder/point_laser.hpp"
 #include "tools/emulator/emulated_port.hpp"
-#include "tools/emulator/memory_link.hpp"
 #include "tools/emulator/rangefinder/emulated_lwnx.hpp"
 #include "tools/emulator/rangefinder/emulated_point_laser.hpp"
 #include "tools/emulator/rangefinder/emulated_tf03.hpp"

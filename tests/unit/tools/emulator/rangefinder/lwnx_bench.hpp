@@ -1,8 +1,8 @@
 #pragma once
 
 #include "tests/unit/tools/emulator/rangefinder/bench.hpp"
-#include "tools/emulator/rangefinder/crc16_xmodem.hpp"
 #include "tools/emulator/rangefinder/emulated_lwnx.hpp"
+#include "tools/emulator/rangefinder/lwnx_product.hpp"
 
 namespace slamsensor::tools {
 

@@ -23,10 +23,8 @@ TEST(LwnxStart, TextChoosesTheInterfaceToo) {
   LwnxBench bench(powered(LwnxModel::Sf20));
   bench.run(400ms);
   EXPECT_TRUE(bench.say(bytes_of("www\r\n")).empty());
-  EXPECT_EQ(text(bench.say(bytes_of("?P\r\n"))), "p:SF20,1.0.0,11\r\n");
   EXPECT_TRUE(bench.say(read_request(0)).empty());
   EXPECT_EQ(bench.say(read_request(0)).size(), 22U);
-  EXPECT_TRUE(bench.say(bytes_of("?P\r\n")).empty());  // packets only from now on
 }
 
 TEST(LwnxStart, CommModeOneNeedsNoFirstCommand) {
@@ -81,72 +79,6 @@ TEST(LwnxStart, SettingsThatAreNotSavedAreLost) {
   bench.say(read_request(0));
   EXPECT_EQ(payloads(bench.say(read_request(93))), std::vector<Bytes>{from_hex("5D 03")});
   EXPECT_EQ(payloads(bench.say(read_request(30))), std::vector<Bytes>{from_hex("1E 00 00 00 00")});
-}
-
-TEST(LwnxStart, TextComesUntilTheFirstPacketWhenSet) {
-  LwnxSettings settings = powered(LwnxModel::Lw20);
-  settings.screen_period = 100ms;
-  LwnxBench bench(settings);
-  bench.run(400ms);
-  bench.say(bytes_of("www\r\n"));
-  const std::string shown = text(bench.run(1s));
-  EXPECT_EQ(shown.substr(0, 16), "LW20 measuring\r\n");
-  EXPECT_EQ(shown.size(), 160U);
-  bench.say(read_request(0), 150ms);
-  EXPECT_TRUE(bench.run(1s).empty());
-}
-
-TEST(LwnxStart, TextAnswersDistances) {
-  LwnxSettings settings = powered(LwnxModel::Sf20);
-  settings.product.unanswered_first = 0;
-  settings.product.find(95)->initial = 0;
-  LwnxBench bench(settings);
-  bench.run(400ms);
-  EXPECT_EQ(text(bench.say(bytes_of("?LDF,0\r\n"))), "ldf,0:12.34\r\n");
-  EXPECT_EQ(text(bench.say(bytes_of("?LDF,1\r\n"))), "ldf,1:12.34\r\n");
-  EXPECT_EQ(text(bench.say(bytes_of("?LDL,2\r\n"))), "ldl,2:12.34\r\n");
-  EXPECT_EQ(text(bench.say(bytes_of("LD\r\n"))), "ld,0:12.34\r\n");
-  EXPECT_EQ(text(bench.say(bytes_of("#CB,6\r\n"))), "cb:6\r\n");
-  bench.scene.target.range_m = 78.32;
-  EXPECT_EQ(text(bench.say(bytes_of("d"))), "78.32\r\n");
-  bench.scene.target.kind = TargetKind::Nothing;
-  EXPECT_EQ(text(bench.say(bytes_of("D"))), "-1.00\r\n");
-  EXPECT_TRUE(bench.say(bytes_of("?XYZ\r\n")).empty());
-}
-
-TEST(LwnxStart, TextStreamsAndStops) {
-  LwnxSettings settings = powered(LwnxModel::Sf20);
-  settings.product.unanswered_first = 0;
-  LwnxBench bench(settings);
-  bench.run(400ms);
-  bench.say(bytes_of("$LDF,0\r\n"), Stamp{});
-  const std::string lines = text(bench.run(100ms));
-  EXPECT_EQ(lines.size(), 38 * std::string("ldf,0:12.34\r\n").size());
-  bench.say(bytes_of("$\r\n"), Stamp{});
-  EXPECT_TRUE(bench.run(100ms).empty());
-}
-
-TEST(LwnxStart, Sf11AnswersInItsOwnStyle) {
-  LwnxBench bench(powered(LwnxModel::Sf11));
-  bench.run(400ms);
-  bench.scene.target.range_m = 98.67;
-  EXPECT_EQ(text(bench.say(bytes_of("?\r\n"))), "? SF11/C V7 Firmware: V1.0.0\r\n");
-  EXPECT_EQ(text(bench.say(bytes_of("?LD\r\n"))), "?LD 98.67\r\n");
-  EXPECT_EQ(text(bench.say(bytes_of("d"))), "98.67\r\n");
-}
-
-TEST(LwnxStart, OldSf30StreamsTwoBytesUntilTheFirstPacket) {
-  LwnxSettings settings = powered(LwnxModel::Sf30d);
-  settings.legacy = LwnxLegacyStream::Sf30Binary;
-  settings.product.find(78)->initial = 0;
-  set_rate(settings, 39.0);
-  LwnxBench bench(settings);
-  bench.run(300ms);
-  EXPECT_EQ(hex(bench.run(26ms)), "89 52");  // 1234 cm
-  bench.scene.target.kind = TargetKind::LostShot;
-  EXPECT_EQ(hex(bench.run(26ms)), "FD 00");  // 16000
-  bench.say(read_request(0));
-  EXPECT_TRUE(bench.run(1s).empty());
 }
 
 }  // namespace

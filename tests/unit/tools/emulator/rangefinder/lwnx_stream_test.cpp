@@ -115,17 +115,6 @@ TEST(LwnxStream, EqualSeedsGiveEqualBytes) {
   EXPECT_NE(runs[0], runs[2]);
 }
 
-TEST(LwnxStream, StatisticsComeTwiceASecond) {
-  LwnxBench bench(ready(LwnxModel::Lw20));
-  bench.say(write_request(31, 1, 1), Stamp{});
-  const auto packets = payloads(bench.run(2s));
-  ASSERT_EQ(packets.size(), 4U);
-  for (const Bytes& packet : packets) {
-    EXPECT_EQ(packet[0], 35);
-    EXPECT_EQ(packet.size(), 10U);
-  }
-}
-
 TEST(LwnxStream, StreamTenIsTakenAndSendsNothing) {
   LwnxBench bench(ready(LwnxModel::Lw20));
   EXPECT_EQ(payloads(bench.say(write_request(30, 10, 4))).size(), 1U);

@@ -100,14 +100,6 @@ TEST(LwnxTranscript, ImpossibleValuesAreAnsweredWithWhatIsKept) {
   EXPECT_EQ(payloads(bench.say(write_request(90, 8, 1))), std::vector<Bytes>{from_hex("5A 04")});
 }
 
-TEST(LwnxTranscript, AnswersToWritesAreSettable) {
-  LwnxSettings settings = ready(LwnxModel::Lw20);
-  settings.write_answer = LwnxWriteAnswer::Empty;
-  settings.write_answer_flag = LwnxAccess::Read;
-  LwnxBench bench(settings);
-  EXPECT_EQ(bench.say(write_request(93, 8, 1)), read_request(93));
-}
-
 TEST(LwnxTranscript, TheUpdateRateMayTakeTwoBytes) {
   LwnxSettings settings = ready(LwnxModel::Lw24);  // two in its guide, one in those of its relatives
   settings.product.find(66)->read_bytes = 2;

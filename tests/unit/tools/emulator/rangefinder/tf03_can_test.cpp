@@ -1,5 +1,5 @@
 #include "tests/unit/tools/emulator/rangefinder/bench.hpp"
-#include "tools/emulator/rangefinder/emulated_tf03_can.hpp"
+#include "tools/emulator/rangefinder/emulated_tf03.hpp"
 
 #include <utility>
 

@@ -1,0 +1,88 @@
+#include "tools/commands/options.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <unistd.h>
+#include <utility>
+
+namespace slamsensor::tools {
+void ConfigOptions::add_to(CLI::App& verb) {
+  verb.add_option("-c,--config", file, "configuration file (TOML); see config/")->type_name("FILE");
+  verb.add_option("--set", settings,
+                  "one setting on top of the file, for example association.tolerance_m=0.75")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+}
+
+firmware::ConfigSources ConfigOptions::sources() const {
+  firmware::ConfigSources sources{.file = file};
+  for (const std::string& setting : settings) {
+    if (auto assignment = firmware::parse_assignment(setting)) {
+      sources.settings.push_back(std::move(*assignment));
+    } else {
+      sources.mistakes.push_back({{"--set", 0, 0}, firmware::printable(setting), assignment.error()});
+    }
+  }
+  return sources;
+}
+
+tl::expected<firmware::LoadedConfig, CommandError> load(const ConfigOptions& options,
+                                                        firmware::LoadedConfig base) {
+  return firmware::load_layers(options.sources(), std::move(base))
+      .map_error([](const std::vector<firmware::ConfigError>& errors) {
+        return CommandError{firmware::error_lines(errors), EX_CONFIG};
+      });
+}
+
+void DriveOptions::add_to(CLI::App& verb) {
+  verb.add_option("--scans", simulate.drive.stands, "scans to make")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  verb.add_option("--step", simulate.drive.step_m, "way from one scan to the next, m")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb.add_option("--kidnaps", simulate.drive.kidnap_share,
+                  "share of scans made near some earlier one instead of a step further")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  verb.add_option("--seed", simulate.seed, "of the drive and of the noise")->capture_default_str();
+  verb.add_option("--world-seed", simulate.world_seed, "of the world, instead of the one in its file");
+  verb.add_option("--experiment", experiment, "sweep of the paper's experiment I, II, III or IV")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
+}
+
+tl::expected<SimulateSummary, CommandError> DriveOptions::run() {
+  simulate.sweep = experiment <= 2 ? paper_sweep_1_2() : paper_sweep_3_4();
+  ProgressBar bar("simulate");
+  simulate.on_progress = [&](const SimulateProgress& progress) {
+    bar.update(progress.scans_done, progress.scans);
+  };
+  return tools::simulate(simulate).map_error([](const WorldError& error) {
+    return CommandError{error.message + '\n', EX_DATAERR};
+  });
+}
+
+ProgressBar::ProgressBar(std::string_view what) : what_(what), visible_(isatty(STDERR_FILENO) == 1) {
+}
+
+ProgressBar::~ProgressBar() {
+  if (visible_) {
+    std::fputs("\r\033[K", stderr);
+  }
+}
+
+void ProgressBar::update(std::size_t done, std::size_t total) {
+  const std::size_t percent = total == 0 ? 100 : 100 * done / total;
+  if (!visible_ || percent == percent_) {
+    return;
+  }
+  percent_ = percent;
+  std::string bar(percent * 40 / 100, '#');
+  bar.resize(40, '.');
+  std::fprintf(stderr, "\r%.*s [%s] %3zu %% (%zu of %zu)", static_cast<int>(what_.size()), what_.data(),
+               bar.c_str(), percent, done, total);
+}
+
+}  // namespace slamsensor::tools

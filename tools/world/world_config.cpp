@@ -1,0 +1,365 @@
+#include "tools/world/world_config.hpp"
+
+#include "tools/world/section_reader.hpp"
+#include "tools/world/world.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+
+namespace slamsensor::tools {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r\"";
+  const std::size_t first = text.find_first_not_of(kBlank);
+  return first == std::string_view::npos ? std::string_view{}
+                                         : text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+// Cuts the part before the next `mark` off `rest`; the whole of it when there is none.
+std::string_view take_until(std::string_view& rest, char mark) {
+  const std::size_t end = std::min(rest.find(mark), rest.size());
+  const std::string_view part = rest.substr(0, end);
+  rest.remove_prefix(std::min(end + 1, rest.size()));
+  return part;
+}
+
+std::vector<std::string_view> cells_of(std::string_view line) {
+  std::vector<std::string_view> cells;
+  while (!line.empty()) {
+    cells.push_back(trimmed(take_until(line, ',')));
+  }
+  return cells;
+}
+
+std::optional<std::size_t> find_column(const std::vector<std::string_view>& cells, std::string_view name) {
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::string_view word = cells[i].substr(0, cells[i].find(' '));
+    if (word == name || (word.size() == name.size() + 2 && word.starts_with(name) && word.ends_with("_m"))) {
+      return i;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<double> number_in(const std::vector<std::string_view>& cells, std::size_t column) {
+  double number = 0.0;
+  if (column >= cells.size()) {
+    return std::nullopt;
+  }
+  const std::string_view cell = cells[column];
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
+  const bool whole = error == std::errc{} && end == cell.data() + cell.size();
+  return whole && std::isfinite(number) ? std::optional(number) : std::nullopt;
+}
+
+}  // namespace
+
+tl::expected<std::vector<core::Point2>, WorldError> parse_stems(std::string_view csv, std::string_view name) {
+  std::string_view header = trimmed(take_until(csv, '\n'));
+  header.remove_prefix(header.starts_with('#') ? 1 : 0);
+  const std::vector<std::string_view> names = cells_of(header);
+  const auto x = find_column(names, "x");
+  const auto y = find_column(names, "y");
+  if (!x || !y) {
+    return tl::unexpected(
+        WorldError{std::string(name) + ":1: the first line must name columns x and y, or x_m and y_m"});
+  }
+  std::vector<core::Point2> stems;
+  for (std::size_t line = 2; !csv.empty(); ++line) {
+    const std::string_view row = trimmed(take_until(csv, '\n'));
+    if (row.empty() || row.starts_with('#')) {
+      continue;
+    }
+    const std::vector<std::string_view> cells = cells_of(row);
+    const auto x_m = number_in(cells, *x);
+    const auto y_m = number_in(cells, *y);
+    if (!x_m || !y_m) {
+      return tl::unexpected(WorldError{std::string(name) + ":" + std::to_string(line) +
+                                       ": no number in column x or y; correct or remove the line"});
+    }
+    stems.emplace_back(*x_m, *y_m);
+  }
+  return stems;
+}
+
+tl::expected<std::vector<core::Point2>, WorldError> load_stems(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    return tl::unexpected(WorldError{path.string() +
+                                     ": cannot be opened; trees.stems_csv is looked for in the " +
+                                     "folder of the world file"});
+  }
+  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  return parse_stems(text, path.string());
+}
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kFar_m = 1e5;
+constexpr double kDensityMax_per_ha = 20'000.0;
+constexpr double kSizeMin_m = 0.01;
+
+void add_interval(Section& section, const std::string& name, const std::string& unit, Interval& interval,
+                  double min, double max) {
+  section.fields.push_back({name + "_min_" + unit, &interval.min, min, max});
+  section.fields.push_back({name + "_max_" + unit, &interval.max, min, max});
+  section.intervals.emplace_back(name, &interval);
+}
+
+Section area_section(AreaConfig& area) {
+  return {"area",
+          {{"x_min_m", &area.x_min_m, -kFar_m, kFar_m},
+           {"x_max_m", &area.x_max_m, -kFar_m, kFar_m},
+           {"y_min_m", &area.y_min_m, -kFar_m, kFar_m},
+           {"y_max_m", &area.y_max_m, -kFar_m, kFar_m},
+           {"clearance_m", &area.clearance_m, 0.0, 100.0}},
+          {}};
+}
+
+Section ground_section(GroundConfig& ground) {
+  Section section{"ground",
+                  {{"amplitude_m", &ground.amplitude_m, 0.0, 50.0},
+                   {"waves", &ground.waves, 0.0, 16.0},
+                   {"slope_x", &ground.slope_x, -1.0, 1.0},
+                   {"slope_y", &ground.slope_y, -1.0, 1.0}},
+                  {}};
+  add_interval(section, "wavelength", "m", ground.wavelength_m, 1.0, kFar_m);
+  return section;
+}
+
+Section trees_section(TreeConfig& trees) {
+  Section section{"trees",
+                  {{"density_per_ha", &trees.density_per_ha, 0.0, kDensityMax_per_ha},
+                   {"spacing_m", &trees.spacing_m, 0.0, 1000.0},
+                   {"crown_base_share", &trees.crown_base_share, 0.0, 0.95},
+                   {"crown_stops_per_m", &trees.crown_stops_per_m, 0.0, 1000.0},
+                   {"stems_csv", &trees.stems_csv}},
+                  {}};
+  add_interval(section, "radius", "m", trees.radius_m, kSizeMin_m, 10.0);
+  add_interval(section, "height", "m", trees.height_m, 0.1, 150.0);
+  add_interval(section, "crown_radius", "m", trees.crown_radius_m, 0.0, 30.0);
+  return section;
+}
+
+Section rows_section(RowsConfig& rows) {
+  return {"rows",
+          {{"spacing_m", &rows.spacing_m, 0.0, 1000.0},
+           {"step_m", &rows.step_m, 0.2, 1000.0},
+           {"jitter_m", &rows.jitter_m, 0.0, 100.0},
+           {"heading_deg", &rows.heading_rad, -360.0, 360.0, kDegree}},
+          {}};
+}
+
+/// Bushes, rocks and posts share most of their keys.
+template <typename Kind>
+Section kind_section(const std::string& name, Kind& kind) {
+  Section section{name,
+                  {{"density_per_ha", &kind.density_per_ha, 0.0, kDensityMax_per_ha},
+                   {"spacing_m", &kind.spacing_m, 0.0, 1000.0}},
+                  {}};
+  add_interval(section, "radius", "m", kind.radius_m, kSizeMin_m, 20.0);
+  add_interval(section, "height", "m", kind.height_m, kSizeMin_m, 50.0);
+  return section;
+}
+
+Section bushes_section(BushConfig& bushes) {
+  Section section = kind_section("bushes", bushes);
+  section.fields.push_back({"stops_per_m", &bushes.stops_per_m, 0.0, 1000.0});
+  return section;
+}
+
+Section crowd_section(const std::string& name, CrowdConfig& crowd) {
+  Section section{
+      name, {{"count", &crowd.count, 0.0, 1000.0}, {"circle_share", &crowd.circle_share, 0.0, 1.0}}, {}};
+  add_interval(section, "speed", "mps", crowd.speed_mps, 0.0, 100.0);
+  add_interval(section, "path", "m", crowd.path_m, 0.5, 10'000.0);
+  return section;
+}
+
+Section bodies_section(BodyConfig& bodies) {
+  return {"bodies",
+          {{"person_radius_m", &bodies.person_radius_m, kSizeMin_m, 5.0},
+           {"person_height_m", &bodies.person_height_m, 0.1, 10.0},
+           {"car_length_m", &bodies.car_length_m, 0.1, 50.0},
+           {"car_width_m", &bodies.car_width_m, 0.1, 20.0},
+           {"car_height_m", &bodies.car_height_m, 0.1, 20.0}},
+          {}};
+}
+
+Section rangefinder_section(RangefinderConfig& finder) {
+  return {"rangefinder",
+          {{"noise_sigma_m", &finder.noise_sigma_m, 0.0, 10.0},
+           {"resolution_m", &finder.resolution_m, 0.0, 10.0},
+           {"range_min_m", &finder.range_min_m, 0.0, 1000.0},
+           {"range_max_m", &finder.range_max_m, 1.0, 5000.0},
+           {"divergence_deg", &finder.divergence_rad, 0.0, 20.0, kDegree},
+           {"sub_rays", &finder.sub_rays, 1.0, kSubRaysMax},
+           {"mixed_share", &finder.mixed_share, 0.0, 1.0},
+           {"mixed_gap_m", &finder.mixed_gap_m, 0.0, 100.0},
+           {"drop_out_share", &finder.drop_out_share, 0.0, 1.0}},
+          {}};
+}
+
+}  // namespace
+
+std::vector<Section> sections_of(WorldConfig& config) {
+  constexpr double kSeedMax = 0x1.0p63;  // TOML integers are signed
+  return {{"", {{"seed", &config.seed, 0.0, kSeedMax}}, {}},
+          area_section(config.area),
+          ground_section(config.ground),
+          trees_section(config.trees),
+          rows_section(config.rows),
+          bushes_section(config.bushes),
+          kind_section("rocks", config.rocks),
+          kind_section("posts", config.posts),
+          crowd_section("people", config.people),
+          crowd_section("cars", config.cars),
+          bodies_section(config.bodies),
+          rangefinder_section(config.rangefinder)};
+}
+
+Section section_of(WallConfig& wall) {
+  return {"wall",
+          {{"x1_m", &wall.x1_m, -kFar_m, kFar_m},
+           {"y1_m", &wall.y1_m, -kFar_m, kFar_m},
+           {"x2_m", &wall.x2_m, -kFar_m, kFar_m},
+           {"y2_m", &wall.y2_m, -kFar_m, kFar_m},
+           {"height_m", &wall.height_m, kSizeMin_m, 200.0}},
+          {}};
+}
+
+Section section_of(MoverConfig& mover) {
+  return {"mover",
+          {{"kind", choice_of(mover.kind, {"person", "car"})},
+           {"x1_m", &mover.x1_m, -kFar_m, kFar_m},
+           {"y1_m", &mover.y1_m, -kFar_m, kFar_m},
+           {"x2_m", &mover.x2_m, -kFar_m, kFar_m},
+           {"y2_m", &mover.y2_m, -kFar_m, kFar_m},
+           {"circle_radius_m", &mover.circle_radius_m, 0.0, 10'000.0},
+           {"speed_mps", &mover.speed_mps, -100.0, 100.0},
+           {"offset_m", &mover.offset_m, -kFar_m, kFar_m}},
+          {}};
+}
+
+Section section_of(StandConfig& stand) {
+  return {"stand",
+          {{"x_m", &stand.pose_W.x_m, -kFar_m, kFar_m},
+           {"y_m", &stand.pose_W.y_m, -kFar_m, kFar_m},
+           {"heading_deg", &stand.pose_W.heading_rad, -360.0, 360.0, kDegree}},
+          {}};
+}
+
+namespace {
+
+constexpr double kObjectsMax = 1e6;
+constexpr double kReach_m = 1e5;
+
+std::optional<WorldError> find_area_problem(const WorldConfig& config) {
+  const AreaConfig& area = config.area;
+  if (area.x_min_m >= area.x_max_m || area.y_min_m >= area.y_max_m) {
+    return WorldError{"area is empty: x_min_m must be below x_max_m, and y_min_m below y_max_m"};
+  }
+  const RowsConfig& rows = config.rows;
+  if (rows.spacing_m > 0.0 && rows.spacing_m < 0.2) {
+    return WorldError{"rows.spacing_m = " + text_of(rows.spacing_m) +
+                      " is out of range: 0 for no rows, or at least 0.2"};
+  }
+  const double per_ha = config.trees.density_per_ha + config.bushes.density_per_ha +
+                        config.rocks.density_per_ha + config.posts.density_per_ha +
+                        (rows.spacing_m > 0.0 ? 1e4 / (rows.spacing_m * rows.step_m) : 0.0);
+  const double objects = per_ha * area.hectares() + static_cast<double>(config.stems.size());
+  if (objects > kObjectsMax) {
+    return WorldError{"the densities ask for " + text_of(std::round(objects)) +
+                      " objects, more than 1000000; lower a density_per_ha or shrink the area"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<WorldError> find_problem(const WorldConfig& config) {
+  WorldConfig copy = config;  // the fields point to what may be written
+  std::vector<Section> sections = sections_of(copy);
+  for (WallConfig& wall : copy.walls) {
+    sections.push_back(section_of(wall));
+  }
+  for (MoverConfig& mover : copy.movers) {
+    sections.push_back(section_of(mover));
+  }
+  for (StandConfig& stand : copy.stands) {
+    sections.push_back(section_of(stand));
+  }
+  for (const Section& section : sections) {
+    if (auto problem = find_problem(section)) {
+      return problem;
+    }
+  }
+  for (const core::Point2& stem_W : copy.stems) {
+    if (!(stem_W.cwiseAbs().maxCoeff() <= kReach_m) || !stem_W.allFinite()) {
+      return WorldError{"a stem is not within 100 km of the origin; subtract an offset from its coordinates"};
+    }
+  }
+  return find_area_problem(copy);
+}
+
+namespace {
+
+tl::expected<WorldConfig, WorldError> read_config(const toml::table& file, std::string_view name) {
+  WorldConfig config;
+  SectionReader reader(name);
+  const std::vector<Section> sections = sections_of(config);
+  const auto keys_of = [](auto& item) { return section_of(item); };
+  for (const auto& [key, node] : file) {
+    const bool known = reader.read_known(sections, key.str(), node) ||
+                       reader.read_list("wall", key.str(), node, config.walls, keys_of) ||
+                       reader.read_list("mover", key.str(), node, config.movers, keys_of) ||
+                       reader.read_list("stand", key.str(), node, config.stands, keys_of);
+    if (!known) {
+      reader.refuse_unknown(key);
+    }
+    if (reader.problem()) {
+      return tl::unexpected(*reader.problem());
+    }
+  }
+  return config;
+}
+
+}  // namespace
+
+tl::expected<WorldConfig, WorldError> parse_world(std::string_view toml, std::string_view name,
+                                                  const std::filesystem::path& folder) {
+  const auto file = parse_toml(toml, name);
+  if (!file) {
+    return tl::unexpected(file.error());
+  }
+  auto config = read_config(*file, name);
+  if (config && !config->trees.stems_csv.empty()) {
+    auto stems = load_stems(folder / config->trees.stems_csv);
+    if (!stems) {
+      return tl::unexpected(std::move(stems.error()));
+    }
+    config->stems = std::move(*stems);
+  }
+  if (config) {
+    if (auto problem = find_problem(*config)) {
+      return tl::unexpected(WorldError{std::string(name) + ": " + problem->message});
+    }
+  }
+  return config;
+}
+
+tl::expected<WorldConfig, WorldError> load_world(const std::filesystem::path& path) {
+  const auto text = read_text(path, "world file");
+  if (!text) {
+    return tl::unexpected(text.error());
+  }
+  return parse_world(*text, path.string(), path.parent_path());
+}
+
+}  // namespace slamsensor::tools
