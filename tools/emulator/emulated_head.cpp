@@ -2,7 +2,6 @@
 
 #include "tools/output/number_text.hpp"
 #include "tools/output/result_files.hpp"
-#include "tools/world/section.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -122,7 +121,7 @@ tl::expected<EmulatedHead::Parts, WorldError> EmulatedHead::parts_of(const Scena
   }
   for (const Kidnap& kidnap : scenario.kidnaps) {
     if (!world->is_free(kidnap.pose_W.translation(), 0.0)) {
-      return tl::unexpected(WorldError{"the kidnap at " + text_of(kidnap.at_s) +
+      return tl::unexpected(WorldError{"the kidnap at " + fixed_text(kidnap.at_s, 1) +
                                        " s ends inside an obstacle; move its x_m, y_m"});
     }
   }

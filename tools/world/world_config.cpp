@@ -1,6 +1,6 @@
 #include "tools/world/world_config.hpp"
 
-#include "tools/world/section_reader.hpp"
+#include "tools/world/toml_file.hpp"
 #include "tools/world/world.hpp"
 
 #include <algorithm>
@@ -105,154 +105,127 @@ constexpr double kFar_m = 1e5;
 constexpr double kDensityMax_per_ha = 20'000.0;
 constexpr double kSizeMin_m = 0.01;
 
-void add_interval(Section& section, const std::string& name, const std::string& unit, Interval& interval,
-                  double min, double max) {
-  section.fields.push_back({name + "_min_" + unit, &interval.min, min, max});
-  section.fields.push_back({name + "_max_" + unit, &interval.max, min, max});
-  section.intervals.emplace_back(name, &interval);
+void read_area(TomlTable& table, AreaConfig& area) {
+  table.number("x_min_m", area.x_min_m, -kFar_m, kFar_m)
+      .number("x_max_m", area.x_max_m, -kFar_m, kFar_m)
+      .number("y_min_m", area.y_min_m, -kFar_m, kFar_m)
+      .number("y_max_m", area.y_max_m, -kFar_m, kFar_m)
+      .number("clearance_m", area.clearance_m, 0.0, 100.0);
 }
 
-Section area_section(AreaConfig& area) {
-  return {"area",
-          {{"x_min_m", &area.x_min_m, -kFar_m, kFar_m},
-           {"x_max_m", &area.x_max_m, -kFar_m, kFar_m},
-           {"y_min_m", &area.y_min_m, -kFar_m, kFar_m},
-           {"y_max_m", &area.y_max_m, -kFar_m, kFar_m},
-           {"clearance_m", &area.clearance_m, 0.0, 100.0}},
-          {}};
+void read_ground(TomlTable& table, GroundConfig& ground) {
+  table.number("amplitude_m", ground.amplitude_m, 0.0, 50.0)
+      .count("waves", ground.waves, 0.0, 16.0)
+      .number("slope_x", ground.slope_x, -1.0, 1.0)
+      .number("slope_y", ground.slope_y, -1.0, 1.0)
+      .interval("wavelength", "m", ground.wavelength_m, 1.0, kFar_m);
 }
 
-Section ground_section(GroundConfig& ground) {
-  Section section{"ground",
-                  {{"amplitude_m", &ground.amplitude_m, 0.0, 50.0},
-                   {"waves", &ground.waves, 0.0, 16.0},
-                   {"slope_x", &ground.slope_x, -1.0, 1.0},
-                   {"slope_y", &ground.slope_y, -1.0, 1.0}},
-                  {}};
-  add_interval(section, "wavelength", "m", ground.wavelength_m, 1.0, kFar_m);
-  return section;
+void read_trees(TomlTable& table, TreeConfig& trees) {
+  table.number("density_per_ha", trees.density_per_ha, 0.0, kDensityMax_per_ha)
+      .number("spacing_m", trees.spacing_m, 0.0, 1000.0)
+      .number("crown_base_share", trees.crown_base_share, 0.0, 0.95)
+      .number("crown_stops_per_m", trees.crown_stops_per_m, 0.0, 1000.0)
+      .text("stems_csv", trees.stems_csv)
+      .interval("radius", "m", trees.radius_m, kSizeMin_m, 10.0)
+      .interval("height", "m", trees.height_m, 0.1, 150.0)
+      .interval("crown_radius", "m", trees.crown_radius_m, 0.0, 30.0);
 }
 
-Section trees_section(TreeConfig& trees) {
-  Section section{"trees",
-                  {{"density_per_ha", &trees.density_per_ha, 0.0, kDensityMax_per_ha},
-                   {"spacing_m", &trees.spacing_m, 0.0, 1000.0},
-                   {"crown_base_share", &trees.crown_base_share, 0.0, 0.95},
-                   {"crown_stops_per_m", &trees.crown_stops_per_m, 0.0, 1000.0},
-                   {"stems_csv", &trees.stems_csv}},
-                  {}};
-  add_interval(section, "radius", "m", trees.radius_m, kSizeMin_m, 10.0);
-  add_interval(section, "height", "m", trees.height_m, 0.1, 150.0);
-  add_interval(section, "crown_radius", "m", trees.crown_radius_m, 0.0, 30.0);
-  return section;
-}
-
-Section rows_section(RowsConfig& rows) {
-  return {"rows",
-          {{"spacing_m", &rows.spacing_m, 0.0, 1000.0},
-           {"step_m", &rows.step_m, 0.2, 1000.0},
-           {"jitter_m", &rows.jitter_m, 0.0, 100.0},
-           {"heading_deg", &rows.heading_rad, -360.0, 360.0, kDegree}},
-          {}};
+void read_rows(TomlTable& table, RowsConfig& rows) {
+  table.number("spacing_m", rows.spacing_m, 0.0, 1000.0)
+      .number("step_m", rows.step_m, 0.2, 1000.0)
+      .number("jitter_m", rows.jitter_m, 0.0, 100.0)
+      .number("heading_deg", rows.heading_rad, -360.0, 360.0, kDegree);
 }
 
 /// Bushes, rocks and posts share most of their keys.
 template <typename Kind>
-Section kind_section(const std::string& name, Kind& kind) {
-  Section section{name,
-                  {{"density_per_ha", &kind.density_per_ha, 0.0, kDensityMax_per_ha},
-                   {"spacing_m", &kind.spacing_m, 0.0, 1000.0}},
-                  {}};
-  add_interval(section, "radius", "m", kind.radius_m, kSizeMin_m, 20.0);
-  add_interval(section, "height", "m", kind.height_m, kSizeMin_m, 50.0);
-  return section;
+void read_kind(TomlTable& table, Kind& kind) {
+  table.number("density_per_ha", kind.density_per_ha, 0.0, kDensityMax_per_ha)
+      .number("spacing_m", kind.spacing_m, 0.0, 1000.0)
+      .interval("radius", "m", kind.radius_m, kSizeMin_m, 20.0)
+      .interval("height", "m", kind.height_m, kSizeMin_m, 50.0);
 }
 
-Section bushes_section(BushConfig& bushes) {
-  Section section = kind_section("bushes", bushes);
-  section.fields.push_back({"stops_per_m", &bushes.stops_per_m, 0.0, 1000.0});
-  return section;
+void read_bushes(TomlTable& table, BushConfig& bushes) {
+  read_kind(table, bushes);
+  table.number("stops_per_m", bushes.stops_per_m, 0.0, 1000.0);
 }
 
-Section crowd_section(const std::string& name, CrowdConfig& crowd) {
-  Section section{
-      name, {{"count", &crowd.count, 0.0, 1000.0}, {"circle_share", &crowd.circle_share, 0.0, 1.0}}, {}};
-  add_interval(section, "speed", "mps", crowd.speed_mps, 0.0, 100.0);
-  add_interval(section, "path", "m", crowd.path_m, 0.5, 10'000.0);
-  return section;
+void read_crowd(TomlTable& table, CrowdConfig& crowd) {
+  table.count("count", crowd.count, 0.0, 1000.0)
+      .number("circle_share", crowd.circle_share, 0.0, 1.0)
+      .interval("speed", "mps", crowd.speed_mps, 0.0, 100.0)
+      .interval("path", "m", crowd.path_m, 0.5, 10'000.0);
 }
 
-Section bodies_section(BodyConfig& bodies) {
-  return {"bodies",
-          {{"person_radius_m", &bodies.person_radius_m, kSizeMin_m, 5.0},
-           {"person_height_m", &bodies.person_height_m, 0.1, 10.0},
-           {"car_length_m", &bodies.car_length_m, 0.1, 50.0},
-           {"car_width_m", &bodies.car_width_m, 0.1, 20.0},
-           {"car_height_m", &bodies.car_height_m, 0.1, 20.0}},
-          {}};
+void read_bodies(TomlTable& table, BodyConfig& bodies) {
+  table.number("person_radius_m", bodies.person_radius_m, kSizeMin_m, 5.0)
+      .number("person_height_m", bodies.person_height_m, 0.1, 10.0)
+      .number("car_length_m", bodies.car_length_m, 0.1, 50.0)
+      .number("car_width_m", bodies.car_width_m, 0.1, 20.0)
+      .number("car_height_m", bodies.car_height_m, 0.1, 20.0);
 }
 
-Section rangefinder_section(RangefinderConfig& finder) {
-  return {"rangefinder",
-          {{"noise_sigma_m", &finder.noise_sigma_m, 0.0, 10.0},
-           {"resolution_m", &finder.resolution_m, 0.0, 10.0},
-           {"range_min_m", &finder.range_min_m, 0.0, 1000.0},
-           {"range_max_m", &finder.range_max_m, 1.0, 5000.0},
-           {"divergence_deg", &finder.divergence_rad, 0.0, 20.0, kDegree},
-           {"sub_rays", &finder.sub_rays, 1.0, kSubRaysMax},
-           {"mixed_share", &finder.mixed_share, 0.0, 1.0},
-           {"mixed_gap_m", &finder.mixed_gap_m, 0.0, 100.0},
-           {"drop_out_share", &finder.drop_out_share, 0.0, 1.0}},
-          {}};
+void read_rangefinder(TomlTable& table, RangefinderConfig& finder) {
+  table.number("noise_sigma_m", finder.noise_sigma_m, 0.0, 10.0)
+      .number("resolution_m", finder.resolution_m, 0.0, 10.0)
+      .number("range_min_m", finder.range_min_m, 0.0, 1000.0)
+      .number("range_max_m", finder.range_max_m, 1.0, 5000.0)
+      .number("divergence_deg", finder.divergence_rad, 0.0, 20.0, kDegree)
+      .count("sub_rays", finder.sub_rays, 1.0, kSubRaysMax)
+      .number("mixed_share", finder.mixed_share, 0.0, 1.0)
+      .number("mixed_gap_m", finder.mixed_gap_m, 0.0, 100.0)
+      .number("drop_out_share", finder.drop_out_share, 0.0, 1.0);
+}
+
+void read_wall(TomlTable& table, WallConfig& wall) {
+  table.number("x1_m", wall.x1_m, -kFar_m, kFar_m)
+      .number("y1_m", wall.y1_m, -kFar_m, kFar_m)
+      .number("x2_m", wall.x2_m, -kFar_m, kFar_m)
+      .number("y2_m", wall.y2_m, -kFar_m, kFar_m)
+      .number("height_m", wall.height_m, kSizeMin_m, 200.0);
+}
+
+void read_mover(TomlTable& table, MoverConfig& mover) {
+  table.choice("kind", mover.kind, {"person", "car"})
+      .number("x1_m", mover.x1_m, -kFar_m, kFar_m)
+      .number("y1_m", mover.y1_m, -kFar_m, kFar_m)
+      .number("x2_m", mover.x2_m, -kFar_m, kFar_m)
+      .number("y2_m", mover.y2_m, -kFar_m, kFar_m)
+      .number("circle_radius_m", mover.circle_radius_m, 0.0, 10'000.0)
+      .number("speed_mps", mover.speed_mps, -100.0, 100.0)
+      .number("offset_m", mover.offset_m, -kFar_m, kFar_m);
+}
+
+/// Reads `file` into `config`, and checks what it does not name.
+std::optional<WorldError> read_world(TomlFile& file, WorldConfig& config) {
+  constexpr double kSeedMax = 0x1.0p63;  // TOML integers are signed
+  file.top().count("seed", config.seed, 0.0, kSeedMax);
+  file.table("area", config.area, read_area);
+  file.table("ground", config.ground, read_ground);
+  file.table("trees", config.trees, read_trees);
+  file.table("rows", config.rows, read_rows);
+  file.table("bushes", config.bushes, read_bushes);
+  file.table("rocks", config.rocks, read_kind<RockConfig>);
+  file.table("posts", config.posts, read_kind<PostConfig>);
+  file.table("people", config.people, read_crowd);
+  file.table("cars", config.cars, read_crowd);
+  file.table("bodies", config.bodies, read_bodies);
+  file.table("rangefinder", config.rangefinder, read_rangefinder);
+  file.list("wall", config.walls, read_wall);
+  file.list("mover", config.movers, read_mover);
+  file.list("stand", config.stands, read_stand);
+  return file.finish();
 }
 
 }  // namespace
 
-std::vector<Section> sections_of(WorldConfig& config) {
-  constexpr double kSeedMax = 0x1.0p63;  // TOML integers are signed
-  return {{"", {{"seed", &config.seed, 0.0, kSeedMax}}, {}},
-          area_section(config.area),
-          ground_section(config.ground),
-          trees_section(config.trees),
-          rows_section(config.rows),
-          bushes_section(config.bushes),
-          kind_section("rocks", config.rocks),
-          kind_section("posts", config.posts),
-          crowd_section("people", config.people),
-          crowd_section("cars", config.cars),
-          bodies_section(config.bodies),
-          rangefinder_section(config.rangefinder)};
-}
-
-Section section_of(WallConfig& wall) {
-  return {"wall",
-          {{"x1_m", &wall.x1_m, -kFar_m, kFar_m},
-           {"y1_m", &wall.y1_m, -kFar_m, kFar_m},
-           {"x2_m", &wall.x2_m, -kFar_m, kFar_m},
-           {"y2_m", &wall.y2_m, -kFar_m, kFar_m},
-           {"height_m", &wall.height_m, kSizeMin_m, 200.0}},
-          {}};
-}
-
-Section section_of(MoverConfig& mover) {
-  return {"mover",
-          {{"kind", choice_of(mover.kind, {"person", "car"})},
-           {"x1_m", &mover.x1_m, -kFar_m, kFar_m},
-           {"y1_m", &mover.y1_m, -kFar_m, kFar_m},
-           {"x2_m", &mover.x2_m, -kFar_m, kFar_m},
-           {"y2_m", &mover.y2_m, -kFar_m, kFar_m},
-           {"circle_radius_m", &mover.circle_radius_m, 0.0, 10'000.0},
-           {"speed_mps", &mover.speed_mps, -100.0, 100.0},
-           {"offset_m", &mover.offset_m, -kFar_m, kFar_m}},
-          {}};
-}
-
-Section section_of(StandConfig& stand) {
-  return {"stand",
-          {{"x_m", &stand.pose_W.x_m, -kFar_m, kFar_m},
-           {"y_m", &stand.pose_W.y_m, -kFar_m, kFar_m},
-           {"heading_deg", &stand.pose_W.heading_rad, -360.0, 360.0, kDegree}},
-          {}};
+void read_stand(TomlTable& table, StandConfig& stand) {
+  table.number("x_m", stand.pose_W.x_m, -kFar_m, kFar_m)
+      .number("y_m", stand.pose_W.y_m, -kFar_m, kFar_m)
+      .number("heading_deg", stand.pose_W.heading_rad, -360.0, 360.0, kDegree);
 }
 
 namespace {
@@ -284,21 +257,10 @@ std::optional<WorldError> find_area_problem(const WorldConfig& config) {
 }  // namespace
 
 std::optional<WorldError> find_problem(const WorldConfig& config) {
-  WorldConfig copy = config;  // the fields point to what may be written
-  std::vector<Section> sections = sections_of(copy);
-  for (WallConfig& wall : copy.walls) {
-    sections.push_back(section_of(wall));
-  }
-  for (MoverConfig& mover : copy.movers) {
-    sections.push_back(section_of(mover));
-  }
-  for (StandConfig& stand : copy.stands) {
-    sections.push_back(section_of(stand));
-  }
-  for (const Section& section : sections) {
-    if (auto problem = find_problem(section)) {
-      return problem;
-    }
+  WorldConfig copy = config;  // reading could change it
+  TomlFile no_file;
+  if (auto problem = read_world(no_file, copy)) {
+    return problem;
   }
   for (const core::Point2& stem_W : copy.stems) {
     if (!(stem_W.cwiseAbs().maxCoeff() <= kReach_m) || !stem_W.allFinite()) {
@@ -308,48 +270,26 @@ std::optional<WorldError> find_problem(const WorldConfig& config) {
   return find_area_problem(copy);
 }
 
-namespace {
-
-tl::expected<WorldConfig, WorldError> read_config(const toml::table& file, std::string_view name) {
-  WorldConfig config;
-  SectionReader reader(name);
-  const std::vector<Section> sections = sections_of(config);
-  const auto keys_of = [](auto& item) { return section_of(item); };
-  for (const auto& [key, node] : file) {
-    const bool known = reader.read_known(sections, key.str(), node) ||
-                       reader.read_list("wall", key.str(), node, config.walls, keys_of) ||
-                       reader.read_list("mover", key.str(), node, config.movers, keys_of) ||
-                       reader.read_list("stand", key.str(), node, config.stands, keys_of);
-    if (!known) {
-      reader.refuse_unknown(key);
-    }
-    if (reader.problem()) {
-      return tl::unexpected(*reader.problem());
-    }
-  }
-  return config;
-}
-
-}  // namespace
-
 tl::expected<WorldConfig, WorldError> parse_world(std::string_view toml, std::string_view name,
                                                   const std::filesystem::path& folder) {
-  const auto file = parse_toml(toml, name);
-  if (!file) {
-    return tl::unexpected(file.error());
+  const auto root = parse_toml(toml, name);
+  if (!root) {
+    return tl::unexpected(root.error());
   }
-  auto config = read_config(*file, name);
-  if (config && !config->trees.stems_csv.empty()) {
-    auto stems = load_stems(folder / config->trees.stems_csv);
+  WorldConfig config;
+  TomlFile file(*root, name);
+  if (auto problem = read_world(file, config)) {
+    return tl::unexpected(std::move(*problem));
+  }
+  if (!config.trees.stems_csv.empty()) {
+    auto stems = load_stems(folder / config.trees.stems_csv);
     if (!stems) {
       return tl::unexpected(std::move(stems.error()));
     }
-    config->stems = std::move(*stems);
+    config.stems = std::move(*stems);
   }
-  if (config) {
-    if (auto problem = find_problem(*config)) {
-      return tl::unexpected(WorldError{std::string(name) + ": " + problem->message});
-    }
+  if (auto problem = find_problem(config)) {
+    return tl::unexpected(WorldError{std::string(name) + ": " + problem->message});
   }
   return config;
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/geometry/pose2.hpp"
-#include "tools/world/section.hpp"
 
 #include <tl/expected.hpp>
 
@@ -13,6 +12,17 @@
 #include <vector>
 
 namespace slamsensor::tools {
+
+/// Why a world, a path or a simulation was refused: what, where and what to do, in one line.
+struct WorldError {
+  std::string message;
+};
+
+/// A closed interval that sizes are drawn from, uniformly.
+struct Interval {
+  double min = 0.0;
+  double max = 0.0;
+};
 
 /// The rectangle that objects are placed in; the ground goes on beyond it.
 struct AreaConfig {
@@ -169,14 +179,6 @@ struct WorldConfig {
 /// The same from a text; `name` stands for the file in messages.
 [[nodiscard]] tl::expected<std::vector<core::Point2>, WorldError> parse_stems(std::string_view csv,
                                                                               std::string_view name);
-
-/// Every table of a world file that appears at most once. The pointers are into `config`.
-[[nodiscard]] std::vector<Section> sections_of(WorldConfig& config);
-
-/// The keys of one [[wall]], [[mover]], [[stand]].
-[[nodiscard]] Section section_of(WallConfig& wall);
-[[nodiscard]] Section section_of(MoverConfig& mover);
-[[nodiscard]] Section section_of(StandConfig& stand);
 
 /// What is wrong with `config`, if anything: a value out of its range, an empty interval or area, too many
 /// objects.
