@@ -178,8 +178,6 @@ SEEDS = {
     },
     "emulator_tf03": {
         "settings": b"\x00" + wire("5A04015F" + "5A0603E8034E" + "5A05050165" + "5A08060010" "0E0086"),
-        "save": b"\x00" + wire("5A04116F" + "5A040260" + "5A064F504645" + "5A054502A6"),
-        "trigger": b"\x02" + wire("5A0603000063" + "5A040462"),
     },
     "emulator_point": {
         "lds70a": b"ID\rMF2000\rSD 0 1\rSD 2 3\rBR921600\rDT\rDM\rXX\r",

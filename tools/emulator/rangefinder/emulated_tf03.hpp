@@ -12,15 +12,16 @@
 namespace slamsensor::tools {
 
 /// What the device does besides answering a command.
-enum class Tf03Action : std::uint8_t { None, Restart, Trigger, Retime };
+enum class Tf03Action : std::uint8_t { None, Retime };
 
 struct Tf03Answer {
   std::vector<std::uint8_t> bytes;  ///< empty: none
   Tf03Action action = Tf03Action::None;
 };
 
-/// The settings of a TF03 and the commands that change them (TF03 manual V1.2.2, table 8, and V0.4, 4.3).
-/// Changes are lost at the next start unless they were saved.
+/// The settings of a TF03 and the commands by which a driver sets it up (TF03 manual V1.2.2, table 8): 01
+/// version, 03 rate, 05 standard format, 06 line rate, 07 output, 4F over range. Changes are lost at the next
+/// start; another line rate would count only after it.
 class Tf03Commands {
  public:
   explicit Tf03Commands(const Tf03Settings& settings);
@@ -39,22 +40,16 @@ class Tf03Commands {
   void reset_baud();
 
   /// Nothing is sent any more before a command asks for it, or a restart.
-  void stop_output() { wanted_.output = active_.output = Tf03Switch::Off; }
+  void stop_output() { active_.output = Tf03Switch::Off; }
 
  private:
   using Payload = std::span<const std::uint8_t>;
 
-  [[nodiscard]] std::optional<Tf03Answer> run_measuring(std::uint8_t id, Payload payload);
-  [[nodiscard]] std::optional<Tf03Answer> run_line(std::uint8_t id, Payload payload);
   [[nodiscard]] std::optional<Tf03Answer> set_baud(Payload payload);
-  [[nodiscard]] std::optional<Tf03Answer> set_wire(Payload payload);
-  [[nodiscard]] bool set_can(std::uint8_t id, std::uint32_t value);
-  void apply();
 
   const Tf03Settings& settings_;
   Tf03Parameters saved_;
-  Tf03Parameters wanted_;  // as the commands left it; save keeps it
-  Tf03Parameters active_;  // wanted_ but for what needs a restart
+  Tf03Parameters active_;
 };
 
 /// What a TF03 is on both of its wires: it shoots at its rate, does commands, has faults. Only the wire that

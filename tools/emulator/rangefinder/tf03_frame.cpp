@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
 namespace slamsensor::tools {
@@ -115,8 +114,7 @@ Tf03Words tf03_words(const Tf03Settings& settings, const Tf03Parameters& paramet
   Tf03Words words{nothing_word(settings, parameters), strength_word(settings, sight), false};
   const double cm = std::round(sight.range_m * 100.0);
   const bool is_strong = words.strength >= settings.strength_min;
-  const bool is_hidden = sight.kind == SightKind::Saturated &&
-                         (settings.blinded == Tf03Blinded::NoReturn || settings.model != BenewakeModel::Tf03);
+  const bool is_hidden = sight.kind == SightKind::Saturated && settings.model != BenewakeModel::Tf03;
   if (sight.has_echo() && is_strong && !is_hidden && !is_beyond(settings, parameters, cm)) {
     words.distance = static_cast<std::uint16_t>(std::max(cm, 0.0));
     words.is_trusted = true;
@@ -144,16 +142,9 @@ void build_tf03_frame(const Tf03Settings& settings, const Tf03Words& words, std:
   out.push_back(sum_of(out));
 }
 
-void build_tf03_text(const Tf03Words& words, std::vector<std::uint8_t>& out) {
-  std::array<char, 16> text{};
-  const int size =
-      std::snprintf(text.data(), text.size(), "%u.%02u\n", words.distance / 100U, words.distance % 100U);
-  out.assign(text.begin(), text.begin() + size);
-}
-
-void build_tf03_can(const Tf03Settings& settings, const Tf03Words& words, std::vector<std::uint8_t>& out) {
+void build_tf03_can(const Tf03Words& words, std::vector<std::uint8_t>& out) {
   out = {low(words.distance), low(words.distance / 256U), low(words.strength), low(words.strength / 256U)};
-  out.resize(std::clamp<std::size_t>(settings.can_bytes, out.size(), 8));
+  out.resize(8);
 }
 
 std::vector<std::uint8_t> with_tf03_sum(std::vector<std::uint8_t> body) {
@@ -161,7 +152,7 @@ std::vector<std::uint8_t> with_tf03_sum(std::vector<std::uint8_t> body) {
   return body;
 }
 
-std::optional<std::vector<std::uint8_t>> Tf03Receiver::push(std::uint8_t byte, Stamp at, Tf03Switch checked) {
+std::optional<std::vector<std::uint8_t>> Tf03Receiver::push(std::uint8_t byte, Stamp at) {
   if (at - last_byte_ > kPause) {
     buffer_.clear();
   }
@@ -170,10 +161,10 @@ std::optional<std::vector<std::uint8_t>> Tf03Receiver::push(std::uint8_t byte, S
     return std::nullopt;
   }
   buffer_.push_back(byte);
-  return take(checked);
+  return take();
 }
 
-std::optional<std::vector<std::uint8_t>> Tf03Receiver::take(Tf03Switch checked) {
+std::optional<std::vector<std::uint8_t>> Tf03Receiver::take() {
   while (buffer_.size() >= 2) {
     const std::size_t length = buffer_[1];
     const bool is_possible = length >= kCommandMin && length <= kCommandMax;
@@ -182,7 +173,7 @@ std::optional<std::vector<std::uint8_t>> Tf03Receiver::take(Tf03Switch checked) 
     }
     if (is_possible) {
       const std::span<const std::uint8_t> command(buffer_.data(), length);
-      if (checked == Tf03Switch::Off || sum_of(command.first(length - 1)) == command.back()) {
+      if (sum_of(command.first(length - 1)) == command.back()) {
         std::vector<std::uint8_t> whole(command.begin(), command.end());
         buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(length));
         return whole;

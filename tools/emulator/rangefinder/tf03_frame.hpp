@@ -15,16 +15,13 @@ namespace slamsensor::tools {
 enum class BenewakeModel : std::uint8_t { Tf03, TfMini, TfMiniPlus, TfMiniS, Tf02 };
 
 enum class Tf03Wire : std::uint8_t { Uart, Can };
-enum class Tf03Format : std::uint8_t { Frames = 1, Text = 2 };  ///< as command 05 counts them
 enum class Tf03Switch : std::uint8_t { Off = 0, On = 1 };
 
 /// What the commands change (TF03 manual V1.2.2, table 8). A member that only counts after save and restart
 /// is marked so.
 struct Tf03Parameters {
-  std::uint32_t rate_hz = 100;  ///< 0: only on a trigger
-  Tf03Format format = Tf03Format::Frames;
+  std::uint32_t rate_hz = 100;
   Tf03Switch output = Tf03Switch::On;
-  Tf03Switch checks_sums = Tf03Switch::On;
   std::uint16_t over_range_cm = 18'000;  ///< told when nothing, or something farther, came back; 0: no limit
   std::uint32_t baud = 115200;           ///< restart
   Tf03Wire wire = Tf03Wire::Uart;        ///< restart
@@ -34,13 +31,7 @@ struct Tf03Parameters {
   Tf03Switch can_extended = Tf03Switch::Off;
 };
 
-/// Whether another line rate counts at once or after save and restart (manual V0.4 says the latter).
-enum class Tf03BaudChange : std::uint8_t { AtOnce, AfterRestart };
-
-/// What a blinded device tells: the distance it believes in, or that it sees nothing.
-enum class Tf03Blinded : std::uint8_t { Distance, NoReturn };
-
-/// How an EmulatedTf03 or EmulatedTf03Can is built and set up. What the manuals do not tell is a setting.
+/// How an EmulatedTf03 or EmulatedTf03Can is built and set up.
 struct Tf03Settings {
   BenewakeModel model = BenewakeModel::Tf03;
   DeviceBegin begin = DeviceBegin::PowerUp;
@@ -48,7 +39,6 @@ struct Tf03Settings {
   OutboxDelays delays;
   double crystal_ppm = 0.0;
   Stamp boot_time = std::chrono::milliseconds(300);
-  Stamp restart_delay = std::chrono::milliseconds(20);  ///< from the reset command to the restart
   std::uint32_t transmit_buffer_bytes = 64;
   std::uint64_t seed = 1;
 
@@ -57,14 +47,9 @@ struct Tf03Settings {
   std::uint16_t strength_of_nothing = 12;
   std::uint16_t strength_of_weak = 30;       ///< while the fault WeakSignal lasts
   std::uint16_t strength_of_blinded = 4000;  ///< while the fault Saturation lasts
-  Tf03Blinded blinded = Tf03Blinded::Distance;
-  std::uint16_t no_return_cm = 18'000;  ///< of the relatives; the TF03 has over_range_cm
-  double temperature_c = 25.0;          ///< told by TFmini Plus and TFmini-S
+  std::uint16_t no_return_cm = 18'000;       ///< of the relatives; the TF03 has over_range_cm
+  double temperature_c = 25.0;               ///< told by TFmini Plus and TFmini-S
 
-  Tf03BaudChange baud_change = Tf03BaudChange::AfterRestart;
-  std::uint8_t use_can_code = 2;  ///< of command 45; inferred, 1 is UART
-  std::uint8_t can_bytes = 8;     ///< 6 or 8 in a frame: the manuals differ
-  Tf03Switch can_commands = Tf03Switch::On;
   std::uint32_t bus_baud = 1'000'000;  ///< of the bus it hangs on; at another rate it is deaf and mute
   std::array<std::uint8_t, 3> version = {2, 2, 1};  ///< 1.2.2, lowest first
 };
@@ -92,11 +77,8 @@ struct Tf03Words {
 /// The nine bytes 59 59 .. on a UART: distance and strength, two bytes of the model, sum of the others.
 void build_tf03_frame(const Tf03Settings& settings, const Tf03Words& words, std::vector<std::uint8_t>& out);
 
-/// A line of text in metres, as format 2 has it.
-void build_tf03_text(const Tf03Words& words, std::vector<std::uint8_t>& out);
-
 /// The data of a CAN frame: distance, strength, zeros.
-void build_tf03_can(const Tf03Settings& settings, const Tf03Words& words, std::vector<std::uint8_t>& out);
+void build_tf03_can(const Tf03Words& words, std::vector<std::uint8_t>& out);
 
 /// `body`, which begins with 5A and its length, with its sum behind it.
 [[nodiscard]] std::vector<std::uint8_t> with_tf03_sum(std::vector<std::uint8_t> body);
@@ -104,9 +86,8 @@ void build_tf03_can(const Tf03Settings& settings, const Tf03Words& words, std::v
 /// Finds commands 5A LEN ID ... SUM between other bytes. One that stops for 100 ms is forgotten.
 class Tf03Receiver {
  public:
-  /// Takes a byte; the whole command when it completes one whose sum is right (or not `checked`).
-  [[nodiscard]] std::optional<std::vector<std::uint8_t>> push(std::uint8_t byte, Stamp at,
-                                                              Tf03Switch checked);
+  /// Takes a byte; the whole command when it completes one whose sum is right.
+  [[nodiscard]] std::optional<std::vector<std::uint8_t>> push(std::uint8_t byte, Stamp at);
 
   void clear() { buffer_.clear(); }
 
@@ -114,7 +95,7 @@ class Tf03Receiver {
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
  private:
-  [[nodiscard]] std::optional<std::vector<std::uint8_t>> take(Tf03Switch checked);
+  [[nodiscard]] std::optional<std::vector<std::uint8_t>> take();
 
   std::vector<std::uint8_t> buffer_;
   Stamp last_byte_{};

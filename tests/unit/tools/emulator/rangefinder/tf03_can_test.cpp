@@ -57,14 +57,6 @@ TEST(Tf03Can, FrameIsThatOfTheManual) {
   EXPECT_EQ(bench.scene.reports[0].on_wire, 10ms);
 }
 
-TEST(Tf03Can, SixBytesAreASetting) {
-  Tf03Settings settings = on_can();
-  settings.can_bytes = 6;
-  FrameBench bench(settings);
-  bench.scene.target.kind = TargetKind::Nothing;
-  EXPECT_EQ(hex(bench.run(10ms).at(0).frame.bytes()), "50 46 0C 00 00 00");
-}
-
 TEST(Tf03Can, CommandsComeOverTheBus) {
   FrameBench bench(on_can());
   EXPECT_EQ(hex(bench.say("5A 04 01 5F").at(0).frame.bytes()), "5A 07 01 02 02 01 67");
@@ -74,29 +66,11 @@ TEST(Tf03Can, CommandsComeOverTheBus) {
   EXPECT_EQ(frames[1].at - frames[0].at, 1ms);
 }
 
-TEST(Tf03Can, CommandsOverTheBusCanBeUnknown) {
-  Tf03Settings settings = on_can();
-  settings.can_commands = Tf03Switch::Off;
-  FrameBench bench(settings);
-  EXPECT_TRUE(bench.say("5A 04 01 5F").empty());
-}
-
 TEST(Tf03Can, OtherIdentifiersAreNotForIt) {
   FrameBench bench(on_can());
   hal::CanFrame frame{.id = 0x3004, .extended = true, .size = 4, .data = {0x5A, 4, 1, 0x5F}};
   bench.device.receive(frame, bench.now);
   EXPECT_TRUE(bench.run(1ms).empty());
-}
-
-TEST(Tf03Can, IdentifierChangesAfterSaveAndRestartFrameTypeAtOnce) {
-  FrameBench bench(on_can());
-  bench.say("5A 08 50 21 01 00 00 D4");
-  bench.say("5A 05 5D 01 BD");
-  EXPECT_TRUE(bench.run(10ms).at(0).frame.extended);
-  EXPECT_EQ(bench.run(10ms).at(0).frame.id, 0x003U);
-  bench.say("5A 04 11 6F");
-  bench.say("5A 04 02 60", 1s);
-  EXPECT_EQ(bench.run(10ms).at(0).frame.id, 0x121U);
 }
 
 TEST(Tf03Can, IsMuteOnUartAndAtAnotherBitRate) {
