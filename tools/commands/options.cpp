@@ -7,6 +7,7 @@
 #include <utility>
 
 namespace slamsensor::tools {
+
 void ConfigOptions::add_to(CLI::App& verb) {
   verb.add_option("-c,--config", file, "configuration file (TOML); see config/")->type_name("FILE");
   verb.add_option("--set", settings,

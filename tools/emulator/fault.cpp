@@ -7,6 +7,7 @@
 #include <limits>
 
 namespace slamsensor::tools {
+
 std::string_view name_of(FaultKind kind) noexcept {
   constexpr std::array<std::string_view, kFaultKinds> kNames = {
       "drop_byte",      "corrupt_byte",  "double_byte",  "noise",         "stall",         "cable_out",

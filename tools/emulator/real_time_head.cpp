@@ -19,6 +19,7 @@
 #include <utility>
 
 namespace slamsensor::tools {
+
 void Lateness::count(hal::Stamp late, std::uint64_t times) noexcept {
   const double late_ms = hal::to_seconds(late) * 1e3;
   const auto bound = std::lower_bound(kBounds_ms.begin(), kBounds_ms.end(), late_ms);

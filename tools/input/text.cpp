@@ -9,6 +9,7 @@
 #include <system_error>
 
 namespace slamsensor::tools {
+
 tl::unexpected<InputError> refuse(std::string_view name, std::string_view what) {
   std::string message(name);
   message.append(": ").append(what);

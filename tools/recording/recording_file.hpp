@@ -35,7 +35,8 @@ struct LogEvent {
 
 /// Reads an LCM event log (firmware/recording/event_log.hpp), also one that is damaged: it hunts for the sync
 /// word, passes over heads that cannot be, and takes a truncated tail for what it is, the end. Memory is
-/// taken for bytes that are there, never for those that a head promises.
+/// taken for bytes that are there, never for those that a head promises. (Not liblcm's reader: it ends at the
+/// first event whose head is damaged.)
 class EventLogReader {
  public:
   /// Reads `log`, which can seek and outlives this, from its beginning.

@@ -8,6 +8,7 @@
 #include <cstdio>
 
 namespace slamsensor::tools {
+
 Canvas::Canvas(int width, int height)
     : width_(std::clamp(width, 0, kSizeMax)),
       height_(std::clamp(height, 0, kSizeMax)),

@@ -3,6 +3,7 @@
 #include "tools/world/random.hpp"
 
 namespace slamsensor::tools {
+
 Chord box_chord(const Ray& ray, const Box& box) noexcept {
   const Eigen::Vector3d o = ray.origin_W - box.centre_W;
   const Eigen::Vector3d& d = ray.direction_W;

@@ -7,6 +7,7 @@
 #include <numeric>
 
 namespace slamsensor::tools {
+
 BeamPattern::BeamPattern(const RangefinderConfig& config) noexcept
     : count(std::clamp(config.sub_rays, 1U, kSubRaysMax)) {
   constexpr double kGoldenAngle_rad = 2.399963229728653;

@@ -5,6 +5,7 @@
 #include <numbers>
 
 namespace slamsensor::tools {
+
 double DriveSettings::counts_per_rad() const noexcept {
   return direction * static_cast<double>(encoder_counts) * static_cast<double>(gear_turns) /
          (2.0 * std::numbers::pi);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 namespace slamsensor::tools {
+
 void set_rate(LwnxSettings& settings, double rate_hz) {
   LwnxProduct& product = settings.product;
   LwnxRegister* const rate = product.find(product.ids.update_rate);
@@ -41,28 +42,16 @@ constexpr std::uint8_t kCmId = 44;
 constexpr std::uint8_t kMmId = 45;
 constexpr std::uint8_t kLaserId = 50;
 
-constexpr std::size_t kWindow = 5;
 constexpr std::int64_t kNoise = 12;
 constexpr std::int64_t kTemperature = 2350;  // 1/100 degC
 
-struct FieldSource {
-  const LwnxReading& reading;
-  const LwnxReader::Recent& recent;
-  LwnxUnit unit;
-};
-
-std::int64_t field_word(LwnxField field, const FieldSource& source) {
+std::int64_t field_word(LwnxField field, const LwnxReading& reading, const LwnxUnit& unit) {
   switch (field) {
     case LwnxField::Raw:
-      return distance_word(source.reading, source.reading.range_m, source.unit);
-    case LwnxField::Closest:
-      return distance_word(source.reading, source.recent.closest_m, source.unit);
-    case LwnxField::Median:
-      return distance_word(source.reading, source.recent.median_m, source.unit);
-    case LwnxField::Furthest:
-      return distance_word(source.reading, source.recent.furthest_m, source.unit);
+    case LwnxField::Filtered:
+      return distance_word(reading, reading.range_m, unit);
     case LwnxField::Strength:
-      return source.reading.is_lost ? 0 : std::llround(source.reading.strength);
+      return reading.is_lost ? 0 : std::llround(reading.strength);
     case LwnxField::Noise:
       return kNoise;
     case LwnxField::Temperature:
@@ -74,11 +63,11 @@ std::int64_t field_word(LwnxField field, const FieldSource& source) {
   return 0;
 }
 
-void pack_fields(const LwnxProduct& product, std::uint64_t bits, const FieldSource& source,
-                 std::vector<std::uint8_t>& data) {
+void pack_fields(const LwnxProduct& product, std::uint64_t bits, const LwnxReading& reading,
+                 const LwnxUnit& unit, std::vector<std::uint8_t>& data) {
   for (std::size_t bit = 0; bit < product.fields.size(); ++bit) {
     if ((bits >> bit & 1U) != 0) {
-      append_little_endian(field_word(product.fields[bit], source), source.unit.bytes, data);
+      append_little_endian(field_word(product.fields[bit], reading, unit), unit.bytes, data);
     }
   }
 }
@@ -103,53 +92,37 @@ LwnxReading LwnxReader::read(const Sight& sight, const Setup& setup) {
   if (!is_miss) {
     misses_ = 0;
     last_ = {false, sight.range_m + setup.zero_offset_m, strength_of(sight)};
-    if (ranges_m_.size() == kWindow) {
-      ranges_m_.erase(ranges_m_.begin());
-    }
-    ranges_m_.push_back(last_.range_m);
     return last_;
   }
   ++misses_;
   if (misses_ >= setup.lost_counter) {  // the counter's last miss is told as lost: 1 (and 0) repeats nothing
     last_ = {};
-    ranges_m_.clear();
   }
   return last_;
-}
-
-LwnxReader::Recent LwnxReader::recent(const LwnxReading& latest) const {
-  if (ranges_m_.empty()) {
-    return {latest.range_m, latest.range_m, latest.range_m};
-  }
-  std::vector<double> sorted = ranges_m_;
-  std::ranges::sort(sorted);
-  return {sorted.front(), sorted[sorted.size() / 2], sorted.back()};
 }
 
 void LwnxReader::clear() {
   last_ = {};
   misses_ = 0;
-  ranges_m_.clear();
 }
 
 void pack_cm(const LwnxProduct& product, std::uint64_t bits, const LwnxReading& reading,
-             const LwnxReader::Recent& recent, std::vector<std::uint8_t>& data) {
+             std::vector<std::uint8_t>& data) {
   const LwnxUnit unit{product.cm_units_per_m, product.cm_field_bytes, product.no_return};
-  pack_fields(product, bits, {reading, recent, unit}, data);
+  pack_fields(product, bits, reading, unit, data);
 }
 
 void pack_mm(const LwnxProduct& product, std::uint64_t bits, const LwnxReading& reading,
-             const LwnxReader::Recent& recent, std::vector<std::uint8_t>& data) {
+             std::vector<std::uint8_t>& data) {
   const LwnxUnit unit{1000.0, 4, product.no_return_mm};
-  const FieldSource source{reading, recent, unit};
   if (product.mm_signals == 0) {
-    pack_fields(product, bits, source, data);
+    pack_fields(product, bits, reading, unit, data);
     return;
   }
   for (std::uint8_t signal = 0; signal < product.mm_signals; ++signal) {
     const bool is_echo = signal == 0;
-    append_little_endian(is_echo ? field_word(LwnxField::Raw, source) : unit.no_return, 4, data);
-    append_little_endian(is_echo ? field_word(LwnxField::Strength, source) : 0, 4, data);
+    append_little_endian(is_echo ? field_word(LwnxField::Raw, reading, unit) : unit.no_return, 4, data);
+    append_little_endian(is_echo ? field_word(LwnxField::Strength, reading, unit) : 0, 4, data);
   }
   append_little_endian(kTemperature, 4, data);
 }
@@ -344,9 +317,9 @@ void EmulatedLwnx::answer_distance(std::uint8_t id, Stamp at) {
   data_.clear();
   const std::uint64_t bits = registers_.value(product_.ids.distance_output);
   if (id == kCmId) {
-    pack_cm(product_, bits, reading, reader_.recent(reading), data_);
+    pack_cm(product_, bits, reading, data_);
   } else if (id == kMmId) {
-    pack_mm(product_, bits, reading, reader_.recent(reading), data_);
+    pack_mm(product_, bits, reading, data_);
   } else {
     data_.push_back(1);
     append_little_endian(distance_word(reading, reading.range_m, {100.0, 2, product_.no_return}), 2, data_);
@@ -505,10 +478,10 @@ void EmulatedLwnx::stream_packet(LwnxStream stream, const LwnxReading& reading, 
   data_.clear();
   const std::uint64_t bits = registers_.value(product_.ids.distance_output);
   if (stream == LwnxStream::Cm) {
-    pack_cm(product_, bits, reading, reader_.recent(reading), data_);
+    pack_cm(product_, bits, reading, data_);
     put_record(kCmId, {&at, 1}, at);
   } else {
-    pack_mm(product_, bits, reading, reader_.recent(reading), data_);
+    pack_mm(product_, bits, reading, data_);
     put_record(kMmId, {&at, 1}, at);
   }
 }

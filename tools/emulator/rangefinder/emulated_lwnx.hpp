@@ -56,14 +56,6 @@ class LwnxReader {
   };
   [[nodiscard]] LwnxReading read(const Sight& sight, const Setup& setup);
 
-  /// Of the last five readings with a distance; `latest` when there are none.
-  struct Recent {
-    double closest_m = 0.0;
-    double median_m = 0.0;
-    double furthest_m = 0.0;
-  };
-  [[nodiscard]] Recent recent(const LwnxReading& latest) const;
-
   void clear();
 
  private:
@@ -72,18 +64,17 @@ class LwnxReader {
   const LwnxSettings& settings_;
   LwnxReading last_;
   std::uint32_t misses_ = 0;
-  std::vector<double> ranges_m_;  // oldest first
 };
 
 /// The data of ID 44 (cm, decimetres on the GRF-500) for a reading: the fields of the product that `bits`
 /// selects, in their order.
 void pack_cm(const LwnxProduct& product, std::uint64_t bits, const LwnxReading& reading,
-             const LwnxReader::Recent& recent, std::vector<std::uint8_t>& data);
+             std::vector<std::uint8_t>& data);
 
 /// The data of ID 45 (mm): the same fields in four bytes each, or on the GRF-500 five pairs of distance and
 /// strength, of which the first is the echo, and the temperature.
 void pack_mm(const LwnxProduct& product, std::uint64_t bits, const LwnxReading& reading,
-             const LwnxReader::Recent& recent, std::vector<std::uint8_t>& data);
+             std::vector<std::uint8_t>& data);
 
 /// A distance word of ID 40 or 44: `no_return` when there is none or it does not fit into `bytes` bytes.
 struct LwnxUnit {

@@ -123,8 +123,8 @@ LwnxProduct lw20(const char* name) {
   product.unanswered_packets = 1;
   product.rates_hz = {48, 55, 64, 77, 97, 129, 194, 388};
   using enum LwnxField;
-  product.fields = {Raw,     Closest, Median,   Furthest, Strength, Raw,
-                    Closest, Median,  Furthest, Strength, Noise};
+  product.fields = {Raw,      Filtered, Filtered, Filtered, Strength, Raw,
+                    Filtered, Filtered, Filtered, Strength, Noise};
   product.streams = {
       {0, LwnxStream::Off}, {1, LwnxStream::Raw}, {5, LwnxStream::Cm}, {10, LwnxStream::Ignored}};
   add_common(product);
@@ -154,7 +154,7 @@ LwnxProduct sf_family(const char* name) {
   // Not published; as far as the codes of the LW20 go they are taken to mean the same.
   product.rates_hz = {48, 55, 64, 77, 97, 129, 194, 388, 625, 1250, 2500, 5000};
   using enum LwnxField;
-  product.fields = {Raw, Median, Strength, Raw, Median, Strength, Noise, Temperature};
+  product.fields = {Raw, Filtered, Strength, Raw, Filtered, Strength, Noise, Temperature};
   product.streams = {
       {0, LwnxStream::Off}, {5, LwnxStream::Cm}, {6, LwnxStream::Mm}, {10, LwnxStream::Ignored}};
   add_common(product);
@@ -229,7 +229,7 @@ LwnxProduct grf500() {
   product.name = "GRF-500";
   product.ids = {27, 55, 74, 255, 255, 114, 78, 91};
   using enum LwnxField;
-  product.fields = {Raw, Median, Strength, Raw, Median, Strength, Temperature, Alarm};
+  product.fields = {Raw, Filtered, Strength, Raw, Filtered, Strength, Temperature, Alarm};
   product.cm_field_bytes = 4;
   product.cm_units_per_m = 10.0;
   product.mm_signals = 5;

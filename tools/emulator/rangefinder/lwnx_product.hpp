@@ -92,9 +92,7 @@ struct LwnxRegister {
 /// What a bit of the distance output stands for. Only one echo is emulated: the last return is the first.
 enum class LwnxField : std::uint8_t {
   Raw,
-  Closest,   ///< of the last five
-  Median,    ///< of the last five
-  Furthest,  ///< of the last five
+  Filtered,  ///< closest, median or furthest of the last few: told as the raw one
   Strength,  ///< per cent
   Noise,
   Temperature,  ///< 1/100 degC

@@ -5,6 +5,7 @@
 #include <numeric>
 
 namespace slamsensor::tools {
+
 Tf03Settings tf03_settings(BenewakeModel model) {
   Tf03Settings settings;
   settings.model = model;

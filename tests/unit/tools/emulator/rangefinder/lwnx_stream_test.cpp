@@ -162,21 +162,6 @@ TEST(LwnxStream, Sf30dHasItsOwnIdsAndFullSpeed) {
   EXPECT_EQ(packets[0][0], 40);
 }
 
-TEST(LwnxStream, ClosestMedianAndFurthestAreOfTheLastFive) {
-  LwnxBench bench(ready(LwnxModel::Lw20));
-  bench.say(write_request(27, 0x0F, 4));
-  for (const double range_m : {10.0, 30.0, 20.0, 50.0, 40.0}) {
-    bench.scene.target.range_m = range_m;
-    bench.say(read_request(44));
-  }
-  const auto answer = payloads(bench.say(read_request(44)));
-  ASSERT_EQ(answer.size(), 1U);
-  EXPECT_EQ(word(answer[0], 1), 4000);
-  EXPECT_EQ(word(answer[0], 3), 2000);
-  EXPECT_EQ(word(answer[0], 5), 4000);
-  EXPECT_EQ(word(answer[0], 7), 5000);
-}
-
 TEST(LwnxStream, ZeroOffsetMovesDistances) {
   LwnxBench bench(ready(LwnxModel::Lw20));
   bench.say(write_request(94, static_cast<std::uint32_t>(-340), 4));
