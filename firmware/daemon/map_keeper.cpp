@@ -50,7 +50,12 @@ bool MapKeeper::give(Pending pending) {
     return false;
   }
   pending_ = std::move(pending);
-  const SlamOrder order{pending_->kind, pending_->map ? pending_->map->file.state() : core::MapState{}};
+  SlamOrder order;
+  order.kind = pending_->kind;
+  if (pending_->map) {
+    order.state = pending_->map->file.state();
+    order.frozen = pending_->map->file.about.frozen ? core::Frozen::Yes : core::Frozen::No;
+  }
   const bool is_given = threads_.slam_orders().give(order);
   if (!is_given) {
     pending_.reset();
@@ -96,6 +101,9 @@ void MapKeeper::finish_order(hal::Stamp now) {
   const Pending pending = std::move(*std::exchange(pending_, std::nullopt));
   const SlamAnswer answer = *std::exchange(answer_, std::nullopt);
   if (tap_ && answer.check.ok()) {
+    if (pending.map && pending.map->file.about.frozen) {
+      tap_(SlamOrder::Kind::Freeze, answer);
+    }
     tap_(pending.kind, answer);
   }
   auto result = carried_out(pending, answer, now);
@@ -122,8 +130,10 @@ ControlResult MapKeeper::carried_out(const Pending& pending, const SlamAnswer& a
       about_ = file.about;
       about_.name = name_;
       saved_ = now;
+      is_frozen_ = is_frozen_ || about_.frozen;
       return ControlReply{"map '" + name_ + "' loaded: " + std::to_string(file.landmarks.size()) +
-                              " landmarks, saved " + utc_text(file.about.saved_utc_s),
+                              " landmarks, saved " + utc_text(file.about.saved_utc_s) +
+                              (about_.frozen ? "; it is marked frozen: map unfreeze lets it grow" : ""),
                           {}};
     }
     case SlamOrder::Kind::Reset:
@@ -136,6 +146,7 @@ ControlResult MapKeeper::carried_out(const Pending& pending, const SlamAnswer& a
       return ControlReply{"map frozen", {}};
     case SlamOrder::Kind::Unfreeze:
       is_frozen_ = false;
+      about_.frozen = false;
       return ControlReply{"map grows again", {}};
     case SlamOrder::Kind::DropRivals:
       break;

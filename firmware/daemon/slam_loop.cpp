@@ -57,6 +57,9 @@ void SlamLoop::carry_out(const SlamOrder& order) noexcept {
       break;
     case SlamOrder::Kind::Restore:
       check = pipeline_.slam().restore(order.state);
+      if (check.ok() && order.frozen == core::Frozen::Yes) {
+        pipeline_.slam().set_frozen(core::Frozen::Yes);
+      }
       break;
     case SlamOrder::Kind::Freeze:
       pipeline_.slam().set_frozen(core::Frozen::Yes);

@@ -18,7 +18,8 @@ struct SlamOrder {
     DropRivals,  ///< go on with the home map alone, as after a Restore of it
   };
   Kind kind = Kind::Reset;
-  core::MapState state;  ///< what it points to stays until the order is answered
+  core::MapState state;                    ///< what it points to stays until the order is answered
+  core::Frozen frozen = core::Frozen::No;  ///< with Restore: freeze too; else the mode stays as it is
 };
 
 /// What came of an order.

@@ -25,7 +25,7 @@ Datum take_datum(ByteReader& in) {
 /// False when they are not the fields of an INFO record, neither more nor less.
 bool take_info(ByteReader& in, MapFile& map) {
   const bool is_old = map.version == 1;
-  std::uint8_t has_datum = 0;
+  std::uint8_t flags = 0;
   MapAbout& about = map.about;
   about.saves = is_old ? 0 : in.take<std::uint64_t>();
   about.created_utc_s = is_old ? 0 : in.take_signed();
@@ -41,13 +41,16 @@ bool take_info(ByteReader& in, MapFile& map) {
     about.method.bearing_step_rad = in.take_double();
     about.method.depth = in.take<std::uint32_t>();
     about.method.landmarks_max = in.take<std::uint32_t>();
-    has_datum = in.take<std::uint8_t>();
-    if (has_datum != 0) {
+    flags = in.take<std::uint8_t>();
+    about.frozen = (flags & kInfoFrozen) != 0;
+    if ((flags & kInfoHasDatum) != 0) {
       about.datum = take_datum(in);
     }
   }
   about.name = in.take_text();
-  return has_datum <= 1 && !in.overran() && in.left() == 0;
+  const bool are_flags_known =
+      flags <= (kInfoHasDatum | kInfoFrozen) && about.frozen == (map.version == kMapVersionFrozen);
+  return are_flags_known && !in.overran() && in.left() == 0;
 }
 
 /// What in `about` cannot be; empty when all can.

@@ -32,7 +32,7 @@ Bytes info_record(const MapAbout& about, const core::MapState& state) {
   out.put(about.method.bearing_step_rad);
   out.put(about.method.depth);
   out.put(about.method.landmarks_max);
-  out.put(static_cast<std::uint8_t>(about.datum ? 1 : 0));
+  out.put(static_cast<std::uint8_t>((about.datum ? kInfoHasDatum : 0) | (about.frozen ? kInfoFrozen : 0)));
   if (about.datum) {
     out.put(about.datum->latitude_deg);
     out.put(about.datum->longitude_deg);
@@ -113,8 +113,9 @@ Bytes encode_map(const MapAbout& about, const core::MapState& state) {
   Bytes file(kMapMagic.begin(), kMapMagic.end());
   file.reserve(kMapPrefixBytes + sections.size());
   ByteWriter out(file);
-  out.put(kMapVersion);
-  out.put(sections_of(kMapVersion));
+  const std::uint32_t version = about.frozen ? kMapVersionFrozen : kMapVersion;
+  out.put(version);
+  out.put(sections_of(version));
   out.put(std::uint64_t{kMapPrefixBytes + sections.size()});
   out.put(crc32_of(file));
   file.insert(file.end(), sections.begin(), sections.end());

@@ -31,6 +31,7 @@ struct MapAbout {
   std::uint64_t saves = 0;     ///< how often, this one included
   std::optional<Datum> datum;  ///< in force at the save; the configuration's goes before it
   MapMethod method;
+  bool frozen = false;  ///< a sensor that loads it only localises in it, until it is told to unfreeze
 };
 
 /// A map as a file holds it.
@@ -60,10 +61,11 @@ struct MapFileError {
   std::string message;  ///< where in the file, what, and what to do; without the name of the file
 };
 
-/// The bytes of a map file, format version 2. `about.name` has at most 64 characters.
+/// The bytes of a map file: format version 2, or 3 when it is marked frozen. `about.name` has at most 64
+/// characters.
 [[nodiscard]] std::vector<std::uint8_t> encode_map(const MapAbout& about, const core::MapState& state);
 
-/// The map that `bytes` hold, format version 1 or 2, without a flaw (core::check_map) and within
+/// The map that `bytes` hold, format version 1 to 3, without a flaw (core::check_map) and within
 /// `capacities`. Takes memory in proportion to bytes.size(), whatever they say. A map of version 1 has no
 /// path, no creation time, no datum and no method; its landmarks had a chance per sighting.
 [[nodiscard]] tl::expected<MapFile, MapFileError> decode_map(std::span<const std::uint8_t> bytes,

@@ -61,9 +61,9 @@ tl::expected<std::uint32_t, MapFileError> read_prefix(Bytes file) {
   if (const std::uint32_t found = crc32_of(file.first(kMapPrefixBytes - 4)); found != told) {
     return damaged(kMapPrefixBytes - 4, crc_mismatch(told, found));
   }
-  if (version > kMapVersion) {
+  if (version > kMapVersionNewest) {
     return refuse(MapProblem::TooNew, "byte 8: the format is version " + std::to_string(version) +
-                                          "; this program reads 1 to " + std::to_string(kMapVersion) +
+                                          "; this program reads 1 to " + std::to_string(kMapVersionNewest) +
                                           ": install a newer slamsensor");
   }
   if (version < kMapVersionOldest) {

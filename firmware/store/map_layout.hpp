@@ -28,13 +28,17 @@ namespace slamsensor::firmware {
 ///                    depth u32, landmarks_max u32, has datum u8 (then latitude, longitude deg, height m,
 ///                    bearing deg f64), name (length u16, characters)
 ///                    version 1: saved i64, weight u64, next id u32, scans u32, name
+///                    version 3: as version 2 of a map marked frozen; has datum u8 is 2 without and 3 with
+///                    one
 /// LAND (a landmark)  id, xi, parents (3), sightings, chances, first and last scan u32, x, y f64
 ///                    version 1: without chances
 /// PATH (a pose)      scan u32, xi u32, x, y, heading f64; not in version 1
 ///
 /// The magic begins with a byte that no text begins with and shows a transfer in text mode, as PNG's does.
 inline constexpr std::array<std::uint8_t, 8> kMapMagic{0x89, 'S', 'L', 'M', '\r', '\n', 0x1A, '\n'};
-inline constexpr std::uint32_t kMapVersion = 2;
+inline constexpr std::uint32_t kMapVersion = 2;        ///< of an ordinary map
+inline constexpr std::uint32_t kMapVersionFrozen = 3;  ///< of a map marked frozen
+inline constexpr std::uint32_t kMapVersionNewest = 3;
 inline constexpr std::uint32_t kMapVersionOldest = 1;
 inline constexpr std::size_t kMapPrefixBytes = 28;
 inline constexpr std::size_t kSectionHeadBytes = 16;
@@ -43,6 +47,10 @@ inline constexpr std::size_t kSectionHeadBytes = 16;
 inline constexpr std::size_t kMapFileBytesMax = std::size_t{256} << 20;
 
 inline constexpr std::size_t kMapNameMax = 64;
+
+/// Bits of the byte `has datum` of INFO.
+inline constexpr std::uint8_t kInfoHasDatum = 1;
+inline constexpr std::uint8_t kInfoFrozen = 2;  ///< always in version 3, never in version 2
 
 enum class MapSection : std::uint8_t { Info, Landmarks, Path };
 inline constexpr std::array<std::string_view, 3> kMapSectionTags{"INFO", "LAND", "PATH"};

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The golden map files: what version 1 and version 2 of the format are, written down a second time.
+"""The golden map files: what versions 1 to 3 of the format are, written down a second time.
     write_golden.py HEADER           writes them as a C++ header
     write_golden.py --check HEADER   fails when HEADER is not what would be written
 The map in them is the one of tests/unit/firmware/store/sample_map.hpp."""
@@ -49,11 +49,20 @@ def version_1():
 
 
 def version_2():
+    return with_path(2, 1)
+
+
+def version_3():
+    """Marked frozen."""
+    return with_path(3, 3)
+
+
+def with_path(version, flags):
     info = struct.pack("<QqqQQQII", SAVES, CREATED, SAVED, WEIGHT, EVICTED, THINNINGS, NEXT_ID, SCANS)
-    info += struct.pack("<dddII", *METHOD) + struct.pack("<Bdddd", 1, *DATUM) + text(NAME)
+    info += struct.pack("<dddII", *METHOD) + struct.pack("<Bdddd", flags, *DATUM) + text(NAME)
     land = b"".join(struct.pack("<9Idd", l[0], l[1], *l[2], *l[3:]) for l in LANDMARKS)
     path = b"".join(struct.pack("<IIddd", *pose) for pose in PATH)
-    return file(2, [section(b"INFO", 1, len(info), info), section(b"LAND", len(LANDMARKS), 52, land),
+    return file(version, [section(b"INFO", 1, len(info), info), section(b"LAND", len(LANDMARKS), 52, land),
                     section(b"PATH", len(PATH), 32, path)])
 
 
@@ -67,6 +76,7 @@ def header():
     return ("#pragma once\n\n#include <string_view>\n\nnamespace slamsensor::tests {\n\n"
             "/// The sample map in each version of the format, in hex: written by tests/store/write_golden.py.\n"
             + literal("kGoldenMapVersion1", version_1()) + literal("kGoldenMapVersion2", version_2())
+            + literal("kGoldenMapVersion3", version_3())
             + "\n}  // namespace slamsensor::tests\n")
 
 

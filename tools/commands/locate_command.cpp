@@ -6,6 +6,7 @@
 #include "tools/commands/options.hpp"
 #include "tools/input/scan_source.hpp"
 #include "tools/input/text_files.hpp"
+#include "tools/map_files/open_map.hpp"
 #include "tools/output/write_file.hpp"
 
 #include <CLI/CLI.hpp>
@@ -110,23 +111,40 @@ bool print_not_read(std::span<const NotRead> not_read) {
                      [](const NotRead& entry) { return entry.kind == NotReadKind::Missed; });
 }
 
+/// The landmarks of a map file of the sensor (by its suffix), else of a map.csv.
+tl::expected<std::vector<core::Point2>, CommandError> read_landmarks(const std::filesystem::path& path) {
+  if (path.extension() == ".slammap") {
+    auto opened = open_map(path.string(), {});
+    if (!opened) {
+      return tl::unexpected(CommandError{opened.error() + '\n', EX_DATAERR});
+    }
+    return std::move(opened->map.positions_W);
+  }
+  const auto map = read_map_csv(path);
+  if (!map) {
+    return tl::unexpected(CommandError{map.error().message + '\n', EX_DATAERR});
+  }
+  std::vector<core::Point2> map_W;
+  std::transform(map->begin(), map->end(), std::back_inserter(map_W),
+                 [](const MapPoint& p) { return p.position_W; });
+  return map_W;
+}
+
 CommandResult run(const Options& options) {
   const auto loaded = load(options.config);
   if (!loaded) {
     return tl::unexpected(loaded.error());
   }
-  const auto map = read_map_csv(options.map);
-  if (!map) {
-    return tl::unexpected(CommandError{map.error().message + '\n', EX_DATAERR});
+  const auto landmarks_W = read_landmarks(options.map);
+  if (!landmarks_W) {
+    return tl::unexpected(landmarks_W.error());
   }
+  const std::vector<core::Point2>& map_W = *landmarks_W;
   const std::array<std::filesystem::path, 1> inputs{options.scans};
   auto source = open_scans(inputs, loaded->config);
   if (!source) {
     return tl::unexpected(CommandError{source.error().message + '\n', EX_DATAERR});
   }
-  std::vector<core::Point2> map_W;
-  std::transform(map->begin(), map->end(), std::back_inserter(map_W),
-                 [](const MapPoint& p) { return p.position_W; });
   core::Config config = with_room_for(loaded->config.core, map_W.size());
   if (!options.search.empty()) {
     config.association.search =
@@ -172,7 +190,9 @@ void add_locate(CLI::App& app, CommandResult& result) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("locate", "find many independent scans in one frozen map");
   options->config.add_to(*verb);
-  verb->add_option("--map", options->map, "the map: id,x_m,y_m")->required()->type_name("map.csv");
+  verb->add_option("--map", options->map, "the map: id,x_m,y_m, or a map file NAME.slammap")
+      ->required()
+      ->type_name("MAP");
   verb->add_option("--scans", options->scans, "the scans: scan,x_m,y_m[,diameter_m[,weight]]")
       ->required()
       ->type_name("scans.csv");

@@ -261,6 +261,9 @@ std::string map_info_text(const MapFile& map, std::size_t bytes) {
   if (map.version > 1) {
     line(text, "method", method_text(map.about.method));
   }
+  line(text, "mode",
+       map.about.frozen ? "marked frozen: a sensor localises in it and does not change it"
+                        : "a sensor may change it");
   line(text, "datum", map.about.datum ? datum_text(*map.about.datum) : "none");
   return text;
 }

@@ -135,6 +135,21 @@ TEST_F(SlamLoopTest, OrdersComeBeforeScansAndAreAnswered) {
   EXPECT_EQ(outlets.status.value().landmarks, 0U);
 }
 
+TEST_F(SlamLoopTest, AMapMarkedFrozenIsFrozenBeforeTheNextScan) {
+  ASSERT_TRUE(scan_at(0.0));
+  static_cast<void>(outlets.map.refresh());
+  const MapSnapshot kept = outlets.map.value();
+  ASSERT_TRUE(
+      orders.give({.kind = SlamOrder::Kind::Restore, .state = kept.state(), .frozen = core::Frozen::Yes}));
+  run();
+  ASSERT_TRUE(orders.answer());
+  const std::uint64_t before = revision();
+  ASSERT_TRUE(scan_at(2.0));
+  EXPECT_EQ(revision(), before);
+  ASSERT_TRUE(outlets.status.refresh());
+  EXPECT_TRUE(outlets.status.value().frozen);
+}
+
 TEST_F(SlamLoopTest, ScansElsewhereAreALocalMapThatTheStatusCounts) {
   ASSERT_TRUE(scan_at(0.0));
   ASSERT_TRUE(outlets.status.refresh());

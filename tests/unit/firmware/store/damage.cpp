@@ -167,8 +167,10 @@ std::vector<Damage> damaged_files() {
 
 std::vector<Damage> lying_files() {
   return {
-      {"NewerVersion", [] { return with_prefix(8, 3, 4); },
-       "byte 8: the format is version 3; this program reads 1 to 2: install a newer slamsensor"},
+      {"NewerVersion", [] { return with_prefix(8, 4, 4); },
+       "byte 8: the format is version 4; this program reads 1 to 3: install a newer slamsensor"},
+      {"OrdinaryMapThatClaimsToBeFrozen", [] { return with_prefix(8, 3, 4); },
+       damaged("byte 44: section INFO: its fields do not make up its 132 bytes")},
       {"VersionZero", [] { return with_prefix(8, 0, 4); }, damaged("byte 8: there is no format version 0")},
       {"OlderVersion", [] { return with_prefix(8, 1, 4); },
        damaged("byte 12: it claims 3 sections; version 1 has 2")},

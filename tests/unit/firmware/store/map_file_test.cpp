@@ -32,6 +32,7 @@ void expect_same_about(const MapAbout& a, const MapAbout& b) {
   EXPECT_EQ(a.created_utc_s, b.created_utc_s);
   EXPECT_EQ(a.saved_utc_s, b.saved_utc_s);
   EXPECT_EQ(a.saves, b.saves);
+  EXPECT_EQ(a.frozen, b.frozen);
   ASSERT_EQ(a.datum.has_value(), b.datum.has_value());
   if (a.datum) {
     EXPECT_EQ(a.datum->latitude_deg, b.datum->latitude_deg);
@@ -66,6 +67,19 @@ TEST(MapFile, TheGoldenFileOfVersion2IsTheSample) {
   expect_same_numbers(map->numbers, sample.numbers);
   EXPECT_TRUE(same_bytes(map->landmarks, sample.landmarks));
   EXPECT_TRUE(same_bytes(map->positions_W, sample.positions_W));
+  EXPECT_TRUE(same_bytes(map->path, sample.path));
+}
+
+TEST(MapFile, AMapMarkedFrozenIsOfVersion3AndElseTheSame) {
+  MapFile sample = tests::sample_map();
+  sample.about.frozen = true;
+  EXPECT_EQ(encode_map(sample.about, sample.state()), tests::from_hex(tests::kGoldenMapVersion3));
+  const auto map = decode_map(tests::from_hex(tests::kGoldenMapVersion3), unlimited_capacities());
+  ASSERT_TRUE(map) << map.error().message;
+  EXPECT_EQ(map->version, 3U);
+  EXPECT_TRUE(map->about.frozen);
+  expect_same_about(map->about, sample.about);
+  EXPECT_TRUE(same_bytes(map->landmarks, sample.landmarks));
   EXPECT_TRUE(same_bytes(map->path, sample.path));
 }
 
