@@ -24,6 +24,7 @@ int run(int argc, char** argv) {
   add_emulate(app, result);
   add_record(app, result);
   add_top(app, result);
+  add_view(app, result);
   add_map(app, result);
   add_ctl(app, result);
   add_edges(app, result);

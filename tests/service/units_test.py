@@ -37,7 +37,8 @@ class Units(unittest.TestCase):
         self.assertEqual(status, 0, told)
 
     def test_verify(self):
-        self.verify("slamsensor.service", "slamsensor-emulator.service", "slamsensor-multicast-route.service")
+        self.verify("slamsensor.service", "slamsensor-emulator.service", "slamsensor-multicast-route.service",
+                    "slamsensor-view.service")
 
     def test_verify_with_the_emulated_head(self):
         conf = re.sub(r"^(ExecStart=)\S+/slamsensord", r"\1/bin/true", (UNITS / "emulated.conf").read_text(),
@@ -54,7 +55,7 @@ class Units(unittest.TestCase):
             self.verify("slamsensor.service")
 
     def test_exposure(self):
-        for name in ("slamsensor.service", "slamsensor-emulator.service"):
+        for name in ("slamsensor.service", "slamsensor-emulator.service", "slamsensor-view.service"):
             with self.subTest(name):
                 _, told = run("systemd-analyze", "security", "--offline=yes", "--no-pager", str(self.folder / name))
                 score = re.search(r"Overall exposure level for \S+: ([\d.]+)", told)
@@ -63,7 +64,7 @@ class Units(unittest.TestCase):
                 self.assertLessEqual(float(score.group(1)), EXPOSURE_MAX, told)
 
     def test_installed_paths_are_absolute_and_whole(self):
-        for name in ("slamsensor.service", "slamsensor-emulator.service", "emulated.conf"):
+        for name in ("slamsensor.service", "slamsensor-emulator.service", "slamsensor-view.service", "emulated.conf"):
             text = (UNITS / name).read_text()
             self.assertNotRegex(text, "@[A-Z_]+@", name)
             for command in re.findall(r"^ExecStart=(\S+)", text, re.MULTILINE):

@@ -29,6 +29,7 @@ void add_demo(CLI::App& app, CommandResult& result);
 void add_emulate(CLI::App& app, CommandResult& result);
 void add_record(CLI::App& app, CommandResult& result);
 void add_top(CLI::App& app, CommandResult& result);
+void add_view(CLI::App& app, CommandResult& result);
 void add_map(CLI::App& app, CommandResult& result);
 void add_ctl(CLI::App& app, CommandResult& result);
 void add_edges(CLI::App& app, CommandResult& result);

@@ -1,0 +1,798 @@
+"use strict";
+/* The page of slamsensor view. What it shows comes as JSON: from /api/stream (live) or /api/at (a recording). It keeps
+   the newest story, says it in words, and draws it when something has changed. Lengths m, angles rad. */
+
+const $ = (id) => document.getElementById(id);
+const story = { fixes: 0, map: { x: [], y: [], id: [], xi: [], sightings: [] }, path: [], events: [], local_maps: {} };
+const stats = { frames: 0, drawn_ms: 0, worst_ms: 0, bytes: 0, messages: 0 };
+
+// --- Words ----------------------------------------------------------------------------------------------------------
+
+const fixed = (value, digits) => (value === null || value === undefined ? "–" : value.toFixed(digits));
+const degrees = (radians) => (radians * 180) / Math.PI;
+
+function span(seconds) {
+  if (seconds === null || seconds === undefined) return "–";
+  if (seconds < 1) return `${Math.max(0, seconds * 1000).toFixed(seconds < 0.01 ? 1 : 0)} ms`;
+  if (seconds < 120) return `${seconds.toFixed(1)} s`;
+  if (seconds < 7200) return `${Math.floor(seconds / 60)} min`;
+  return `${(seconds / 3600).toFixed(1)} h`;
+}
+
+function fillList(list, rows) {
+  const kept = rows.filter((row) => row);
+  while (list.children.length > 2 * kept.length) list.lastChild.remove();
+  kept.forEach(([name, value, tone], i) => {
+    if (list.children.length <= 2 * i) list.append(document.createElement("dt"), document.createElement("dd"));
+    const [term, data] = [list.children[2 * i], list.children[2 * i + 1]];
+    if (term.textContent !== name) term.textContent = name;
+    if (data.textContent !== value) data.textContent = value;
+    data.className = tone || "";
+  });
+}
+
+function setText(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+/** Semi-axes of 1 sigma and the angle of the longer one. */
+function ellipse([xx, xy, yy]) {
+  const mean = (xx + yy) / 2;
+  const half = Math.hypot((xx - yy) / 2, xy);
+  return { a: Math.sqrt(Math.max(0, mean + half)), b: Math.sqrt(Math.max(0, mean - half)), angle: Math.atan2(2 * xy, xx - yy) / 2 };
+}
+
+function stateTone() {
+  const state = story.status ? story.status.state : "";
+  return { fixed: "good", scanning: "warn", starting: "warn", ambiguous: "warn", held: "warn", lost: "bad", faulted: "bad" }[state] || "";
+}
+
+function tellFix() {
+  const pose = story.pose;
+  if (!pose) {
+    setText($("words"), "no scan has been localised yet");
+    fillList($("fix"), []);
+    $("rivals").hidden = true;
+    return;
+  }
+  // Said aloud when it becomes another matter, not at each new number.
+  const matter = `${pose.status} ${pose.reason} ${pose.map}`;
+  if ($("words").dataset.matter !== matter) {
+    $("words").dataset.matter = matter;
+    $("words").className = pose.status === "fix" ? "good" : pose.status === "ambiguous" ? "warn" : "bad";
+    setText($("words"), pose.status === "fix" ? "Fix" : pose.words.replace(/^./, (c) => c.toUpperCase()));
+  }
+  const isAmbiguous = pose.status === "ambiguous";
+  $("rivals").hidden = !isAmbiguous;
+  if (isAmbiguous) setText($("rivals"), `The better of two places is drawn, hollow. Matches so far: ${pose.weight_best} here, ${pose.weight_runner_up} at the rival.`);
+  const near = pose.has_pose ? ellipse(pose.near) : null;
+  const home = pose.has_pose ? ellipse(pose.cov) : null;
+  fillList($("fix"), [
+    ["Age", span(pose.age_s)],
+    pose.has_pose && ["x, y", `${fixed(pose.x, 3)}, ${fixed(pose.y, 3)} m`],
+    pose.has_pose && ["Heading", `${fixed(((degrees(pose.heading) % 360) + 360) % 360, 2)}°`],
+    pose.latitude !== undefined && ["Latitude, longitude", `${fixed(pose.latitude, 7)}, ${fixed(pose.longitude, 7)}`],
+    pose.latitude !== undefined && ["True heading", `${fixed(pose.true_heading_deg, 1)}°`],
+    home && ["Sigma in the map", `${fixed(home.a, 3)} × ${fixed(home.b, 3)} m, ${fixed(degrees(Math.sqrt(pose.cov_heading)), 2)}°`],
+    near && ["Sigma to landmarks", `${fixed(near.a, 3)} × ${fixed(near.b, 3)} m`],
+    pose.has_pose && ["Protection radius", `${fixed(pose.protection, 2)} m`],
+    pose.has_pose && ["Error xi", String(pose.xi)],
+    ["Matches", `${pose.matches} of ${pose.seen} seen`],
+    ["Chance poses expected", pose.false_alarms === null ? "–" : pose.false_alarms.toExponential(1)],
+    ["Map", pose.map === 0 ? "none" : pose.map === pose.home ? `home (${pose.map})` : `local ${pose.map}`],
+    ["Search", pose.search],
+    ["Jumps", String(pose.jumps)],
+    ["First fix after", span(pose.first_fix_s)],
+  ]);
+}
+
+function tellSensor() {
+  const status = story.status;
+  $("problem").hidden = !(status && status.problem);
+  if (!status) return;
+  setText($("problem"), status.problem);
+  const list = $("devices");
+  status.devices.forEach((device, i) => {
+    const item = list.children[i] || list.appendChild(document.createElement("li"));
+    const text = `${device.name}|${device.state}|${device.model}|${device.problem}|${device.recoveries}`;
+    if (item.dataset.text === text) return;
+    item.dataset.text = text;
+    const state = document.createElement("b");
+    state.className = device.state === "ready" ? "good" : device.state === "starting" ? "warn" : "bad";
+    state.textContent = device.state;
+    const more = document.createElement("span");
+    more.textContent = [device.model, device.problem, device.recoveries ? `${device.recoveries} recoveries` : ""].filter(Boolean).join("; ");
+    item.replaceChildren(document.createTextNode(`${device.name} `), state, more);
+  });
+  fillList($("sensor"), [
+    ["Head", status.held ? "held" : status.phase, status.held ? "warn" : ""],
+    ["Scan under way", `line ${status.line} of ${status.lines}`],
+    ["Looks towards", `pan ${fixed(degrees(status.pan), 1)}°, tilt ${fixed(degrees(status.tilt), 1)}°`],
+    ["Readings", `${fixed(status.readings_hz, 0)} a second`],
+    ["Scans, fixes", `${status.scans}, ${status.fixes}`],
+    ["Scan thread, worst lateness", span(status.wake_max_s), status.wake_max_s > 0.01 ? "warn" : ""],
+    ["SLAM thread, last and worst", `${span(status.process_last_s)}, ${span(status.process_max_s)}`],
+    ["Real time", status.realtime ? "in force" : "not in force", status.realtime ? "" : "warn"],
+    ["Recording", status.recording ? "yes" : "no"],
+    story.pose && ["Running for", span(story.pose.uptime_s)],
+    story.pose && story.pose.emulated && ["Source", "emulated", "warn"],
+  ]);
+}
+
+function tellMap() {
+  const status = story.status;
+  const datum = story.datum;
+  const locals = Object.keys(story.local_maps);
+  fillList($("about-map"), [
+    status && ["Name", status.map_name || "–"],
+    ["Landmarks drawn", String(story.map.x.length)],
+    status && ["Local maps not tied", `${status.local_maps}, ${status.local_landmarks} landmarks`],
+    status && ["Hypotheses", String(status.hypotheses)],
+    status && ["Mode", status.frozen ? "frozen" : "growing"],
+    status && ["Saved", status.saved_ago_s === null ? "never" : `${span(status.saved_ago_s)} ago${status.unsaved ? ", changed since" : ""}`],
+    ["Datum", datum ? `${fixed(datum.latitude, 7)}, ${fixed(datum.longitude, 7)}, ${fixed(datum.height, 1)} m` : "none: metres only"],
+    datum && ["x axis towards", `${fixed(datum.bearing, 2)}° true`],
+  ]);
+  const options = [["auto", "where the sensor is"], ["home", "home map"], ...locals.map((n) => [n, `local map ${n}`])];
+  const select = $("frame");
+  const wanted = options.map(([value]) => value).join();
+  if (select.dataset.options !== wanted) {
+    const chosen = select.value;
+    select.dataset.options = wanted;
+    select.replaceChildren(...options.map(([value, text]) => new Option(text, value)));
+    select.value = options.some(([value]) => value === chosen) ? chosen : "auto";
+  }
+}
+
+function timeText(seconds) {
+  return new Date(seconds * 1000).toISOString().slice(11, 19);
+}
+
+function tellEvents(list) {
+  const items = list.slice(-200).reverse().map((event) => {
+    const item = document.createElement("li");
+    const time = document.createElement("time");
+    time.textContent = timeText(event.t);
+    time.dateTime = new Date(event.t * 1000).toISOString();
+    const text = document.createElement("span");
+    text.className = event.tone;
+    text.textContent = event.text;
+    item.append(time, text);
+    return item;
+  });
+  $("events").replaceChildren(...items);
+}
+
+function tellCounters() {
+  const text = JSON.stringify(story.counters || {});
+  const box = $("counters");
+  if (box.dataset.text === text) return;
+  box.dataset.text = text;
+  box.replaceChildren(...Object.entries(story.counters || {}).flatMap(([station, counters]) => {
+    const head = document.createElement("h3");
+    head.textContent = station.replace(/_/g, " ");
+    const list = document.createElement("dl");
+    fillList(list, Object.entries(counters).map(([name, value]) => [name.replace(/_/g, " "), String(value)]));
+    return [head, list];
+  }));
+}
+
+function tell() {
+  const status = story.status;
+  const silent = link.is_live && story.heard_s !== undefined && story.heard_s > 4;
+  const words = !status ? (story.heard_s === undefined ? "waiting for a sensor" : "heard") : status.state;
+  setText($("state-words"), silent ? `silent for ${span(story.heard_s)}` : words);
+  $("lamp").className = silent ? "bad" : stateTone();
+  link.show(story.problem || "");
+  tellFix();
+  tellSensor();
+  tellMap();
+  tellCounters();
+  const map = $("map");
+  const pose = story.pose;
+  const where = pose && pose.has_pose ? `; the sensor at x ${fixed(pose.x, 1)}, y ${fixed(pose.y, 1)} metres` : "; no pose";
+  const label = `Map with ${story.map.x.length} landmarks, ${story.fixes} fixes on the path${where}`;
+  if (map.getAttribute("aria-label") !== label) map.setAttribute("aria-label", label);
+}
+
+// --- The picture ----------------------------------------------------------------------------------------------------
+
+const view = { x: 0, y: 0, scale: 20, follow: false, touched: false, colours: {}, base: document.createElement("canvas"), base_key: "", dirty: true };
+
+function readColours() {
+  const style = getComputedStyle(document.documentElement);
+  for (const name of ["canvas", "grid", "ink", "soft", "path", "scan", "guard", "sigma", "beam", "bad", "warn", "xi0", "xi1", "xi2", "xi3", "xi4"]) {
+    view.colours[name] = style.getPropertyValue(`--${name}`).trim();
+  }
+  view.base_key = "";
+  view.dirty = true;
+}
+
+/** The frame that is drawn: "home" or the number of a local map. */
+function frameShown() {
+  const chosen = $("frame").value;
+  if (chosen !== "auto") return chosen;
+  const pose = story.pose;
+  const isLocal = pose && pose.has_pose && pose.map !== 0 && pose.map !== pose.home && story.local_maps[pose.map];
+  return isLocal ? String(pose.map) : "home";
+}
+
+function landmarksShown(frame) {
+  if (frame === "home") return story.map;
+  const points = (story.local_maps[frame] || { points: [] }).points;
+  const xs = points.filter((_, i) => i % 2 === 0);
+  const ys = points.filter((_, i) => i % 2 === 1);
+  return { x: xs, y: ys, id: null, xi: xs.map(() => 0), sightings: null };
+}
+
+const pathShown = (frame) => (frame === "home" ? story.path : (story.local_maps[frame] || { path: [] }).path);
+const poseShown = (frame) => {
+  const pose = story.pose;
+  if (!pose || !pose.has_pose) return null;
+  return frame === (pose.map === pose.home ? "home" : String(pose.map)) ? pose : null;
+};
+
+const toScreen = (x, y) => {
+  const map = $("map");
+  return [map.clientWidth / 2 + (x - view.x) * view.scale, map.clientHeight / 2 - (y - view.y) * view.scale];
+};
+const toMap = (px, py) => {
+  const map = $("map");
+  return [view.x + (px - map.clientWidth / 2) / view.scale, view.y - (py - map.clientHeight / 2) / view.scale];
+};
+
+function fit() {
+  const frame = frameShown();
+  const landmarks = landmarksShown(frame);
+  const path = pathShown(frame);
+  let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
+  const take = (x, y) => {
+    x0 = Math.min(x0, x); x1 = Math.max(x1, x); y0 = Math.min(y0, y); y1 = Math.max(y1, y);
+  };
+  for (let i = 0; i < landmarks.x.length; ++i) take(landmarks.x[i], landmarks.y[i]);
+  for (let i = 0; i < path.length; i += 2) if (path[i] !== null) take(path[i], path[i + 1]);
+  const pose = poseShown(frame);
+  if (pose) take(pose.x, pose.y);
+  const map = $("map");
+  if (!(x1 >= x0)) [x0, x1, y0, y1] = [-10, 10, -10, 10];
+  view.x = (x0 + x1) / 2;
+  view.y = (y0 + y1) / 2;
+  const room = 0.86;
+  view.scale = Math.min((room * map.clientWidth) / Math.max(4, x1 - x0), (room * map.clientHeight) / Math.max(4, y1 - y0), 200);
+  view.dirty = true;
+}
+
+/** 1, 2 or 5 times a power of ten that is at least `metres`. */
+function roundLength(metres) {
+  const power = 10 ** Math.floor(Math.log10(metres));
+  return [1, 2, 5, 10].map((n) => n * power).find((n) => n >= metres * 0.999);
+}
+
+function drawGrid(context, width, height) {
+  const step = roundLength(70 / view.scale);
+  const [left, top] = toMap(0, 0);
+  const [right, bottom] = toMap(width, height);
+  context.strokeStyle = view.colours.grid;
+  context.lineWidth = 1;
+  context.beginPath();
+  for (let x = Math.ceil(left / step) * step; x <= right; x += step) {
+    const [px] = toScreen(x, 0);
+    context.moveTo(Math.round(px) + 0.5, 0);
+    context.lineTo(Math.round(px) + 0.5, height);
+  }
+  for (let y = Math.ceil(bottom / step) * step; y <= top; y += step) {
+    const [, py] = toScreen(0, y);
+    context.moveTo(0, Math.round(py) + 0.5);
+    context.lineTo(width, Math.round(py) + 0.5);
+  }
+  context.stroke();
+}
+
+function drawLandmarks(context, landmarks, width, height) {
+  const highest = Math.max(1, landmarks.xi.reduce((most, xi) => Math.max(most, xi), 0));
+  const least = landmarks.x.length < 1000 ? 3 : landmarks.x.length < 5000 ? 2.2 : 1.6;
+  const radius = Math.min(5, Math.max(least, view.scale * 0.18));
+  const groups = [[], [], [], [], []];
+  for (let i = 0; i < landmarks.x.length; ++i) groups[Math.min(4, Math.floor((4.999 * landmarks.xi[i]) / highest))].push(i);
+  groups.forEach((group, colour) => {
+    context.fillStyle = view.colours[`xi${colour}`];
+    context.beginPath();
+    for (const i of group) {
+      const [px, py] = toScreen(landmarks.x[i], landmarks.y[i]);
+      if (px < -8 || py < -8 || px > width + 8 || py > height + 8) continue;
+      if (radius < 2) {
+        context.rect(px - radius, py - radius, 2 * radius, 2 * radius);
+      } else {
+        context.moveTo(px + radius, py);
+        context.arc(px, py, radius, 0, 2 * Math.PI);
+      }
+    }
+    context.fill();
+  });
+}
+
+function drawPath(context, path) {
+  context.strokeStyle = view.colours.path;
+  context.lineWidth = 2;
+  context.lineJoin = "round";
+  context.beginPath();
+  let isNew = true;
+  for (let i = 0; i < path.length; i += 2) {
+    if (path[i] !== null) {
+      const [px, py] = toScreen(path[i], path[i + 1]);
+      isNew ? context.moveTo(px, py) : context.lineTo(px, py);
+    }
+    isNew = path[i] === null;
+  }
+  context.stroke();
+}
+
+/** Grid, landmarks and path change seldom: they are drawn apart and copied. */
+function drawBase(frame, width, height, ratio) {
+  const landmarks = landmarksShown(frame);
+  const path = pathShown(frame);
+  const key = [frame, width, height, ratio, view.x, view.y, view.scale, story.map_stamp, landmarks.x.length, path.length, path[path.length - 2]].join();
+  if (key === view.base_key) return;
+  view.base_key = key;
+  view.base.width = width * ratio;
+  view.base.height = height * ratio;
+  const context = view.base.getContext("2d");
+  context.scale(ratio, ratio);
+  context.fillStyle = view.colours.canvas;
+  context.fillRect(0, 0, width, height);
+  drawGrid(context, width, height);
+  drawPath(context, path);
+  drawLandmarks(context, landmarks, width, height);
+  setText($("xi-max"), String(landmarks.xi.reduce((most, xi) => Math.max(most, xi), 0)));
+}
+
+function drawScan(context, pose) {
+  if (!story.scan || story.scan.number !== pose.scan) return;
+  const [c, s] = [Math.cos(pose.heading), Math.sin(pose.heading)];
+  const [ox, oy] = toScreen(pose.x, pose.y);
+  const points = story.scan.points;
+  const half = Math.min(7, Math.max(2.5, view.scale * 0.6));
+  for (const rays of [true, false]) {
+    context.strokeStyle = view.colours.scan;
+    context.globalAlpha = rays ? 0.14 : 1;
+    context.lineWidth = rays ? 1 : 1.5;
+    context.beginPath();
+    for (let i = 0; i < points.length; i += 2) {
+      const [px, py] = toScreen(pose.x + c * points[i] - s * points[i + 1], pose.y + s * points[i] + c * points[i + 1]);
+      if (rays) {
+        context.moveTo(ox, oy);
+        context.lineTo(px, py);
+      } else {
+        context.rect(px - half, py - half, 2 * half, 2 * half);
+      }
+    }
+    context.stroke();
+  }
+  context.globalAlpha = 1;
+}
+
+/** Where the head looks now, and how much of the scan is done. */
+function drawBeam(context, pose) {
+  const status = story.status;
+  if (!status || status.phase !== "scanning" || status.held) return;
+  const [px, py] = toScreen(pose.x, pose.y);
+  const angle = -(pose.heading + status.pan);
+  context.strokeStyle = view.colours.beam;
+  context.lineWidth = 2;
+  context.beginPath();
+  context.moveTo(px + 14 * Math.cos(angle), py + 14 * Math.sin(angle));
+  context.lineTo(px + 90 * Math.cos(angle), py + 90 * Math.sin(angle));
+  context.stroke();
+  if (status.lines > 0) {
+    context.beginPath();
+    context.arc(px, py, 20, -Math.PI / 2, -Math.PI / 2 + 2 * Math.PI * Math.min(1, status.line / status.lines));
+    context.stroke();
+  }
+}
+
+function drawPose(context, pose) {
+  const [px, py] = toScreen(pose.x, pose.y);
+  const isFix = pose.status === "fix";
+  const colour = isFix ? view.colours.sigma : pose.status === "ambiguous" ? view.colours.warn : view.colours.bad;
+  if (pose.protection > 0) {
+    context.strokeStyle = view.colours.guard;
+    context.lineWidth = 1.5;
+    context.setLineDash([6, 4]);
+    context.beginPath();
+    context.arc(px, py, Math.max(11, pose.protection * view.scale), 0, 2 * Math.PI);
+    context.stroke();
+    context.setLineDash([]);
+  }
+  if (pose.cov && pose.cov[0] !== null) {
+    const { a, b, angle } = ellipse(pose.cov);
+    context.strokeStyle = colour;
+    context.lineWidth = 2;
+    context.beginPath();
+    context.ellipse(px, py, Math.max(1, 3 * a * view.scale), Math.max(1, 3 * b * view.scale), -angle, 0, 2 * Math.PI);
+    context.stroke();
+  }
+  context.save();
+  context.translate(px, py);
+  context.rotate(-pose.heading);
+  context.beginPath();
+  context.moveTo(13, 0);
+  context.lineTo(-7, 7);
+  context.lineTo(-3, 0);
+  context.lineTo(-7, -7);
+  context.closePath();
+  context.lineWidth = 2;
+  context.strokeStyle = colour;
+  context.fillStyle = isFix ? colour : view.colours.canvas;
+  context.fill();
+  context.stroke();
+  context.restore();
+}
+
+function drawScale(context, width, height) {
+  const metres = roundLength(60 / view.scale);
+  const beside = width > 800 ? 0 : $("legend").offsetHeight + 4; // there the legend takes the whole width
+  const [x1, y] = [width - 16, height - 16 - beside];
+  context.strokeStyle = context.fillStyle = view.colours.ink;
+  context.lineWidth = 2;
+  context.beginPath();
+  context.moveTo(x1 - metres * view.scale, y - 5);
+  context.lineTo(x1 - metres * view.scale, y);
+  context.lineTo(x1, y);
+  context.lineTo(x1, y - 5);
+  context.stroke();
+  context.font = "12px system-ui, sans-serif";
+  context.textAlign = "right";
+  context.fillText(metres >= 1000 ? `${metres / 1000} km` : `${metres} m`, x1, y - 8);
+}
+
+/** North with a datum, the axes of the map without one. */
+function drawNorth(context, width, frame) {
+  const [cx, cy] = [width - 34, 74];
+  const arrow = (angle, text) => {
+    const [dx, dy] = [Math.cos(angle), -Math.sin(angle)];
+    context.beginPath();
+    context.moveTo(cx - 14 * dx, cy - 14 * dy);
+    context.lineTo(cx + 14 * dx, cy + 14 * dy);
+    context.lineTo(cx + 14 * dx - 8 * Math.cos(angle - 0.45), cy + 14 * dy + 8 * Math.sin(angle - 0.45));
+    context.moveTo(cx + 14 * dx, cy + 14 * dy);
+    context.lineTo(cx + 14 * dx - 8 * Math.cos(angle + 0.45), cy + 14 * dy + 8 * Math.sin(angle + 0.45));
+    context.stroke();
+    context.fillText(text, cx + 24 * dx, cy + 24 * dy + 4);
+  };
+  context.strokeStyle = context.fillStyle = view.colours.ink;
+  context.lineWidth = 2;
+  context.font = "bold 12px system-ui, sans-serif";
+  context.textAlign = "center";
+  if (story.datum && frame === "home") {
+    arrow((story.datum.bearing * Math.PI) / 180, "N"); // x points to the bearing, clockwise from north
+  } else {
+    arrow(0, "x");
+    arrow(Math.PI / 2, "y");
+  }
+}
+
+function draw() {
+  const begin = performance.now();
+  const map = $("map");
+  const [width, height] = [map.clientWidth, map.clientHeight];
+  const ratio = Math.min(2, window.devicePixelRatio || 1);
+  if (map.width !== Math.round(width * ratio) || map.height !== Math.round(height * ratio)) {
+    map.width = Math.round(width * ratio);
+    map.height = Math.round(height * ratio);
+  }
+  const frame = frameShown();
+  const pose = poseShown(frame);
+  if (view.follow && pose) [view.x, view.y] = [pose.x, pose.y];
+  drawBase(frame, width, height, ratio);
+  const context = map.getContext("2d");
+  context.setTransform(1, 0, 0, 1, 0, 0);
+  context.drawImage(view.base, 0, 0);
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  if (pose) {
+    drawScan(context, pose);
+    drawBeam(context, pose);
+    drawPose(context, pose);
+  }
+  drawScale(context, width, height);
+  drawNorth(context, width, frame);
+  if (frame !== "home") {
+    const text = `local map ${frame}: its place in the home map is not known yet`;
+    context.font = "bold 13px system-ui, sans-serif";
+    context.textAlign = "center";
+    const [x, y, wide] = [width / 2, height - 16 - $("legend").offsetHeight - 24, Math.min(width - 20, context.measureText(text).width + 16)];
+    context.fillStyle = view.colours.canvas;
+    context.fillRect(x - wide / 2, y - 16, wide, 23);
+    context.fillStyle = view.colours.warn;
+    context.fillText(text, x, y, wide);
+  }
+  stats.frames += 1;
+  const took_ms = performance.now() - begin;
+  stats.drawn_ms += took_ms;
+  stats.worst_ms = Math.max(stats.worst_ms, took_ms);
+}
+
+function loop() {
+  if (view.dirty) {
+    view.dirty = false;
+    draw();
+  }
+  requestAnimationFrame(loop);
+}
+
+// --- Hands ----------------------------------------------------------------------------------------------------------
+
+function zoom(factor, px, py) {
+  const map = $("map");
+  const [ax, ay] = [px === undefined ? map.clientWidth / 2 : px, py === undefined ? map.clientHeight / 2 : py];
+  const [mx, my] = toMap(ax, ay);
+  view.scale = Math.min(2000, Math.max(0.002, view.scale * factor));
+  const [nx, ny] = toMap(ax, ay);
+  view.x += mx - nx;
+  view.y += my - ny;
+  view.touched = view.dirty = true;
+}
+
+function move(dx, dy) {
+  view.x -= dx / view.scale;
+  view.y += dy / view.scale;
+  view.touched = view.dirty = true;
+  setFollow(false);
+}
+
+function setFollow(on) {
+  view.follow = on;
+  $("follow").setAttribute("aria-pressed", String(on));
+  view.dirty = true;
+}
+
+function tellHover(px, py) {
+  const landmarks = landmarksShown(frameShown());
+  let [best, distance] = [-1, 14];
+  for (let i = 0; i < landmarks.x.length; ++i) {
+    const [lx, ly] = toScreen(landmarks.x[i], landmarks.y[i]);
+    const d = Math.hypot(lx - px, ly - py);
+    if (d < distance) [best, distance] = [i, d];
+  }
+  const hover = $("hover");
+  hover.hidden = best < 0;
+  if (best < 0) return;
+  const place = `${fixed(landmarks.x[best], 2)}, ${fixed(landmarks.y[best], 2)} m`;
+  setText(hover, landmarks.id ? `landmark ${landmarks.id[best]}: ${place}, xi ${landmarks.xi[best]}, seen ${landmarks.sightings[best]} times` : `landmark at ${place}`);
+}
+
+function listenToPointers() {
+  const map = $("map");
+  const down = new Map();
+  const place = (event) => [event.offsetX, event.offsetY];
+  map.addEventListener("pointerdown", (event) => {
+    down.set(event.pointerId, place(event));
+    map.setPointerCapture(event.pointerId);
+  });
+  map.addEventListener("pointermove", (event) => {
+    const before = down.get(event.pointerId);
+    const now = place(event);
+    if (!before) return tellHover(...now);
+    if (down.size === 1) {
+      move(now[0] - before[0], now[1] - before[1]);
+    } else if (down.size === 2) {
+      const other = [...down].find(([id]) => id !== event.pointerId)[1];
+      const apart = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
+      zoom(apart(now) / apart(before), (now[0] + other[0]) / 2, (now[1] + other[1]) / 2);
+    }
+    down.set(event.pointerId, now);
+    return undefined;
+  });
+  for (const name of ["pointerup", "pointercancel"]) map.addEventListener(name, (event) => down.delete(event.pointerId));
+  map.addEventListener("pointerleave", () => { $("hover").hidden = true; });
+  map.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    zoom(Math.exp(-event.deltaY / 400), event.offsetX, event.offsetY);
+  }, { passive: false });
+}
+
+function listenToKeys() {
+  $("map").addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const step = 60;
+    const keys = {
+      ArrowLeft: () => move(step, 0), ArrowRight: () => move(-step, 0), ArrowUp: () => move(0, step), ArrowDown: () => move(0, -step),
+      "+": () => zoom(1.3), "=": () => zoom(1.3), "-": () => zoom(1 / 1.3), 0: () => { setFollow(false); fit(); }, f: () => setFollow(!view.follow),
+    };
+    const act = keys[event.key];
+    if (!act) return;
+    event.preventDefault();
+    act();
+  });
+  $("zoom-in").addEventListener("click", () => zoom(1.5));
+  $("zoom-out").addEventListener("click", () => zoom(1 / 1.5));
+  $("fit").addEventListener("click", () => { setFollow(false); view.touched = false; fit(); });
+  $("follow").addEventListener("click", () => { view.touched = true; setFollow(!view.follow); });
+  $("frame").addEventListener("change", () => { view.touched = false; fit(); });
+  new ResizeObserver(() => { if (!view.touched) fit(); view.dirty = true; }).observe($("map"));
+}
+
+function setTheme(dark) {
+  document.documentElement.dataset.theme = dark ? "dark" : "light";
+  readColours();
+  if (player.about) player.drawMarks();
+}
+
+function listenToTheme() {
+  const system = window.matchMedia("(prefers-color-scheme: dark)");
+  let chosen = null;
+  setTheme(system.matches);
+  system.addEventListener("change", () => { if (chosen === null) setTheme(system.matches); });
+  $("theme").addEventListener("click", () => {
+    chosen = document.documentElement.dataset.theme !== "dark";
+    setTheme(chosen);
+  });
+}
+
+// --- What comes in --------------------------------------------------------------------------------------------------
+
+function take(message) {
+  const had = story.map.x.length;
+  for (const name of ["pose", "status", "datum", "scan", "counters", "local_maps", "heard_s", "problem"]) story[name] = message[name];
+  story.local_maps = story.local_maps || {};
+  if (message.map) {
+    story.map = message.map;
+    story.map_stamp = (story.map_stamp || 0) + 1;
+  }
+  if (message.path.restart) story.path = [];
+  story.path.push(...message.path.add);
+  story.fixes = story.path.filter((value) => value !== null).length / 2;
+  if (!view.touched && !view.follow && (message.map || had === 0 || message.path.add.length > 0 || frameShown() !== view.frame)) fit();
+  view.frame = frameShown();
+  view.dirty = true;
+  stats.messages += 1;
+  tell();
+}
+
+const link = {
+  is_live: false,
+  show(text) {
+    $("link").hidden = text === "";
+    setText($("link"), text);
+  },
+  open() {
+    this.is_live = true;
+    const source = new EventSource("/api/stream");
+    let last = performance.now();
+    source.onopen = () => { story.events = []; };
+    source.onmessage = (event) => {
+      last = performance.now();
+      stats.bytes += event.data.length;
+      const message = JSON.parse(event.data);
+      take(message);
+      if (message.events.length > 0 || story.events.length === 0) {
+        story.events = [...story.events, ...message.events].slice(-500);
+        tellEvents(story.events);
+      }
+    };
+    // A stream that is refused or cut without a word is opened anew.
+    const watch = setInterval(() => {
+      if (performance.now() - last < 3000 && source.readyState !== EventSource.CLOSED) return;
+      this.show("the connection to slamsensor view is lost; trying again");
+      $("lamp").className = "bad";
+      if (source.readyState === EventSource.CLOSED || performance.now() - last > 8000) {
+        clearInterval(watch);
+        source.close();
+        setTimeout(() => this.open(), 1000);
+      }
+    }, 1000);
+  },
+};
+
+const player = {
+  about: null, t: 0, playing: false, busy: false, wanted: null, map_version: -1,
+  open(about) {
+    this.about = about;
+    $("player").hidden = false;
+    const time = $("time");
+    time.max = String(about.end - about.begin);
+    time.addEventListener("input", () => this.seek(about.begin + Number(time.value)));
+    $("play").addEventListener("click", () => this.play(!this.playing));
+    if (about.warning) link.show(about.warning);
+    this.drawMarks();
+    new ResizeObserver(() => this.drawMarks()).observe($("marks"));
+    this.seek(about.end);
+    let before = performance.now();
+    const tick = (now) => {
+      if (this.playing) {
+        const t = this.t + ((now - before) / 1000) * Number($("speed").value);
+        if (t >= about.end) this.play(false);
+        this.seek(Math.min(t, about.end));
+      }
+      before = now;
+      requestAnimationFrame(tick);
+    };
+    requestAnimationFrame(tick);
+  },
+  play(on) {
+    if (on && this.t >= this.about.end) this.t = this.about.begin;
+    this.playing = on;
+    $("play").setAttribute("aria-pressed", String(on));
+    setText($("play"), on ? "Pause" : "Play");
+  },
+  seek(t) {
+    this.t = t;
+    const passed = t - this.about.begin;
+    $("time").value = String(passed);
+    const text = `${timeText(t)} UTC, ${passed.toFixed(0)} of ${(this.about.end - this.about.begin).toFixed(0)} s`;
+    setText($("clock"), text);
+    $("time").setAttribute("aria-valuetext", text);
+    this.wanted = t;
+    this.fetch();
+  },
+  async fetch() {
+    if (this.busy) return;
+    this.busy = true;
+    while (this.wanted !== null) {
+      const t = this.wanted;
+      this.wanted = null;
+      try {
+        const answer = await fetch(`/api/at?t=${t.toFixed(6)}&map=${this.map_version}`);
+        const message = await answer.json();
+        this.map_version = message.map_version;
+        take(message);
+        tellEvents(this.about.events.filter((event) => event.t <= t));
+        link.show(this.about.warning);
+      } catch (error) {
+        link.show("slamsensor view does not answer; is it still running?");
+        break;
+      }
+    }
+    this.busy = false;
+  },
+  drawMarks() {
+    const canvas = $("marks");
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+    if (!this.about || width === 0) return;
+    canvas.width = width;
+    canvas.height = height;
+    const context = canvas.getContext("2d");
+    const style = getComputedStyle(document.documentElement);
+    const colours = ["bad", "warn", "good"].map((name) => style.getPropertyValue(`--${name}`).trim());
+    const { begin, end, marks } = this.about;
+    marks.forEach(([t, status], i) => {
+      const next = i + 1 < marks.length ? marks[i + 1][0] : end;
+      const x = ((t - begin) / Math.max(1e-9, end - begin)) * width;
+      context.fillStyle = colours[status];
+      context.fillRect(x, 0, Math.max(1, ((next - t) / Math.max(1e-9, end - begin)) * width), height);
+    });
+  },
+};
+
+function offerControl() {
+  $("control").hidden = false;
+  for (const request of ["scan now", "scan pause", "scan resume", "map save", "map freeze", "map unfreeze", "record start", "record stop"]) {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = request;
+    button.addEventListener("click", async () => {
+      const answer = await fetch("/api/ctl", {
+        method: "POST",
+        headers: { Authorization: `Bearer ${$("token").value}`, "Content-Type": "application/json" },
+        body: JSON.stringify({ request }),
+      });
+      const said = await answer.json();
+      $("answer").className = answer.ok && said.ok ? "good" : "bad";
+      setText($("answer"), `${request}: ${said.error || said.text || (said.ok ? "done" : said.code)}`);
+    });
+    $("orders").append(button);
+  }
+}
+
+async function start() {
+  listenToTheme();
+  listenToPointers();
+  listenToKeys();
+  requestAnimationFrame(loop);
+  const answer = await fetch("/api/about");
+  const about = await answer.json();
+  if (about.control) offerControl();
+  about.live ? link.open() : player.open(about);
+}
+
+window.slamsensorView = { story, view, stats, toScreen, player };
+start().catch(() => { link.show("slamsensor view does not answer; load the page again"); });

@@ -1,0 +1,262 @@
+#include "tools/view/story_json.hpp"
+
+#include "core/fix_names.hpp"
+#include "firmware/output/geo_reference.hpp"
+#include "firmware/supervision/status_line.hpp"
+#include "firmware/supervision/status_parts.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace slamsensor::tools {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kSecond_us = 1e6;
+constexpr double kSecond_ns = 1e9;
+
+/// Millimetres are enough for a picture, and short.
+Json metres(double value_m) {
+  return std::isfinite(value_m) ? Json(std::round(value_m * 1e3) / 1e3) : Json();
+}
+
+/// JSON has no NaN.
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+template <std::size_t kSize>
+std::string text(const firmware::LcmText<kSize>& bytes) {
+  std::string out(firmware::text_of(bytes));
+  std::replace_if(
+      out.begin(), out.end(), [](char c) { return c < ' ' || c > '~'; }, '?');  // JSON is UTF-8
+  return out;
+}
+
+Json points(const std::vector<core::Point2>& list) {
+  Json out = Json::array();
+  for (const core::Point2& point : list) {
+    out.push_back(metres(point.x()));
+    out.push_back(metres(point.y()));
+  }
+  return out;
+}
+
+/// Age of the middle of the scan: what had passed when the pose was sent, and what has since.
+double age_s(const firmware::PoseMessage& pose, std::int64_t came_us, std::int64_t now_us) {
+  const auto before_ns = static_cast<double>(pose.report_monotonic_ns - pose.scan_end_monotonic_ns +
+                                             pose.scan_end_utc_ns - pose.scan_middle_utc_ns);
+  return before_ns / kSecond_ns + static_cast<double>(now_us - came_us) / kSecond_us;
+}
+
+Json pose_json(const firmware::PoseMessage& pose, double age) {
+  const core::Fix fix = firmware::fix_of(pose);
+  Json out = {{"status", core::to_string(fix.status)},
+              {"reason", core::to_string(fix.reason)},
+              {"words", firmware::fix_phrase(fix)},
+              {"has_pose", core::has_pose(fix)},
+              {"age_s", number(age)},
+              {"scan", pose.scan},
+              {"map", pose.map},
+              {"home", pose.home},
+              {"xi", pose.error_xi},
+              {"matches", pose.matches},
+              {"seen", pose.landmarks_seen},
+              {"in_map", pose.landmarks_in_map},
+              {"false_alarms", number(pose.expected_false_alarms)},
+              {"weight_best", pose.weight_best},
+              {"weight_runner_up", pose.weight_runner_up},
+              {"jumps", pose.jumps},
+              {"search", core::to_string(fix.search_end)},
+              {"emulated", pose.source != 0},
+              {"uptime_s", static_cast<double>(pose.uptime_ns) / kSecond_ns}};
+  out["first_fix_s"] = pose.time_to_first_fix_ns < 0
+                           ? Json()
+                           : Json(static_cast<double>(pose.time_to_first_fix_ns) / kSecond_ns);
+  if (core::has_pose(fix)) {
+    out["x"] = number(pose.x_m);
+    out["y"] = number(pose.y_m);
+    out["heading"] = number(pose.heading_rad);
+    // xx, xy, yy of the position, and of the heading, in the map and relative to the landmarks about.
+    out["cov"] = {number(pose.covariance[0]), number(pose.covariance[1]), number(pose.covariance[4])};
+    out["cov_heading"] = number(pose.covariance[8]);
+    out["near"] = {number(pose.covariance_near[0]), number(pose.covariance_near[1]),
+                   number(pose.covariance_near[4])};
+    out["protection"] = number(pose.protection_radius_m);
+  }
+  return out;
+}
+
+/// Where on the earth a fix is, as NMEA tells it.
+void add_place(const firmware::PoseMessage& pose, const firmware::Datum& datum, Json& out) {
+  if (static_cast<core::FixStatus>(pose.status) != core::FixStatus::Fix) {
+    return;
+  }
+  const firmware::GeoPose place =
+      firmware::GeoReference(datum).locate({pose.x_m, pose.y_m, pose.heading_rad});
+  out["latitude"] = number(place.latitude_deg);
+  out["longitude"] = number(place.longitude_deg);
+  out["true_heading_deg"] = number(place.true_heading_deg);
+}
+
+Json device_json(const firmware::StatusMessage& status, std::size_t i) {
+  return {{"name", i == 0 ? "Pan-tilt unit" : "Rangefinder"},
+          {"state", firmware::to_string(static_cast<hal::DeviceState>(status.device_state[i]))},
+          {"problem", text(status.device_problem[i])},
+          {"model", text(status.device_model[i])},
+          {"recoveries", status.device_recoveries[i]}};
+}
+
+Json status_json(const firmware::StatusMessage& status) {
+  const auto seconds = [](std::int64_t ns) { return static_cast<double>(ns) / kSecond_ns; };
+  const auto state = static_cast<std::size_t>(status.state);
+  return {{"state", firmware::kSensorStateNames.at(state)},
+          {"phase", text(status.phase)},
+          {"problem", text(status.problem)},
+          {"held", status.held},
+          {"realtime", status.realtime},
+          {"recording", status.recording},
+          {"frozen", status.map_frozen},
+          {"unsaved", status.map_unsaved},
+          {"devices", {device_json(status, 0), device_json(status, 1)}},
+          {"line", status.line},
+          {"lines", status.lines},
+          {"pan", number(status.pan_rad)},
+          {"tilt", number(status.tilt_rad)},
+          {"latency_s", number(status.latency_s)},
+          {"readings_hz", number(status.readings_hz)},
+          {"wake_max_s", seconds(status.wake_latency_max_ns)},
+          {"scans", status.scans},
+          {"fixes", status.fixes},
+          {"landmarks", status.landmarks},
+          {"hypotheses", status.hypotheses},
+          {"local_maps", status.local_maps},
+          {"local_landmarks", status.local_landmarks},
+          {"process_last_s", seconds(status.process_last_ns)},
+          {"process_max_s", seconds(status.process_max_ns)},
+          {"map_name", text(status.map_name)},
+          {"saved_ago_s", status.map_saved_ago_ns < 0 ? Json() : Json(seconds(status.map_saved_ago_ns))}};
+}
+
+Json counters_json(const SensorStory& story) {
+  Json out = Json::object();
+  for (std::size_t i = 0; i < firmware::kLcmStationNames.size(); ++i) {
+    for (const auto& [name, value] : story.counters()[i]) {
+      if (value != 0) {
+        out[std::string(firmware::kLcmStationNames[i])][name] = value;
+      }
+    }
+  }
+  return out;
+}
+
+/// An array per property: a third of the bytes of an object per landmark.
+Json map_json(const SensorStory& story) {
+  Json x = Json::array();
+  Json y = Json::array();
+  Json id = Json::array();
+  Json xi = Json::array();
+  Json sightings = Json::array();
+  for (const auto& [number_of_chunk, landmarks] : story.map()) {
+    for (const StoryLandmark& landmark : landmarks) {
+      x.push_back(metres(landmark.position_W.x()));
+      y.push_back(metres(landmark.position_W.y()));
+      id.push_back(landmark.id);
+      xi.push_back(landmark.xi);
+      sightings.push_back(landmark.sightings);
+    }
+  }
+  return {{"x", std::move(x)},
+          {"y", std::move(y)},
+          {"id", std::move(id)},
+          {"xi", std::move(xi)},
+          {"sightings", std::move(sightings)}};
+}
+
+Json local_maps_json(const SensorStory& story) {
+  Json out = Json::object();
+  for (const auto& [number_of_map, local] : story.local_maps()) {
+    Json path = Json::array();
+    for (const core::Pose2& pose : local.path_W) {
+      path.push_back(metres(pose.x_m));
+      path.push_back(metres(pose.y_m));
+    }
+    out[std::to_string(number_of_map)] = {{"points", points(local.landmarks_W)}, {"path", std::move(path)}};
+  }
+  return out;
+}
+
+void add_path(const SensorStory& story, StoryCursor& cursor, Json& out) {
+  const StoryList<StoryFix>& path = story.path_W();
+  const bool is_new = cursor.path_epoch != path.epoch || cursor.path < path.begin;
+  const std::uint64_t from = is_new ? path.begin : cursor.path;
+  Json list = Json::array();
+  for (std::uint64_t i = from; i < path.end(); ++i) {
+    const StoryFix& fix = path.items[i - path.begin];
+    if (!fix.follows && i > path.begin) {
+      list.insert(list.end(), {Json(), Json()});  // the line is broken here
+    }
+    list.push_back(metres(fix.pose_W.x_m));
+    list.push_back(metres(fix.pose_W.y_m));
+  }
+  out["path"] = {{"restart", is_new}, {"add", std::move(list)}};
+  cursor.path = path.end();
+  cursor.path_epoch = path.epoch;
+}
+
+void add_events(const SensorStory& story, StoryCursor& cursor, Json& out) {
+  const StoryList<StoryEvent>& events = story.events();
+  Json list = Json::array();
+  for (std::uint64_t i = std::max(cursor.events, events.begin); i < events.end(); ++i) {
+    list.push_back(event_json(events.items[i - events.begin]));
+  }
+  out["events"] = std::move(list);
+  cursor.events = events.end();
+}
+
+}  // namespace
+
+Json event_json(const StoryEvent& event) {
+  const char* const tone = event.tone == StoryTone::Good ? "good" : event.tone == StoryTone::Bad ? "bad" : "";
+  return {{"t", static_cast<double>(event.utime_us) / kSecond_us}, {"tone", tone}, {"text", event.text}};
+}
+
+Json story_json(const SensorStory& story, std::int64_t now_us, StoryCursor& cursor) {
+  Json out = {{"now", static_cast<double>(now_us) / kSecond_us}};
+  if (const auto heard = story.heard_utime_us()) {
+    out["heard_s"] = static_cast<double>(now_us - *heard) / kSecond_us;
+  }
+  if (const auto& pose = story.pose()) {
+    out["pose"] = pose_json(*pose, age_s(*pose, story.pose_utime_us(), now_us));
+    if (story.datum()) {
+      add_place(*pose, *story.datum(), out["pose"]);
+    }
+  }
+  if (const auto& status = story.status()) {
+    out["status"] = status_json(*status);
+  }
+  if (const auto& datum = story.datum()) {
+    out["datum"] = {{"latitude", datum->latitude_deg},
+                    {"longitude", datum->longitude_deg},
+                    {"height", datum->height_m},
+                    {"bearing", datum->bearing_deg}};
+  }
+  if (const auto scan = story.scan_number()) {
+    out["scan"] = {{"number", *scan}, {"points", points(story.scan_B())}};
+  }
+  out["counters"] = counters_json(story);
+  out["local_maps"] = local_maps_json(story);
+  add_path(story, cursor, out);
+  add_events(story, cursor, out);
+  if (cursor.map_version != story.map_version()) {
+    out["map"] = map_json(story);
+    cursor.map_version = story.map_version();
+  }
+  return out;
+}
+
+}  // namespace slamsensor::tools
