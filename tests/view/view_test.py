@@ -263,6 +263,32 @@ class RecordingTest(PageTest):
               f"view process {view.memory_kb()} kB")
         self.assertGreaterEqual(frames, 99)
 
+    def test_messages_of_somebody_else_do_no_harm(self):
+        """Anyone on the network can send: numbers that are none, or so large that nothing can be drawn."""
+        points, events = drive.recording()
+        huge, none = 1e300, float("nan")
+        worse = [drive.pose_message(40, (huge, -huge, none)), drive.pose_message(41, (1e9, 0, 0), covariance=[none] * 9),
+                 drive.pose_message(42, (1, 1, 1), covariance=[huge] * 9, protection_radius_m=huge),
+                 *drive.map_messages([(huge, huge), (none, 1.0), (2.0, -huge)], revision=9),
+                 drive.scan_message(43, (0, 0, 0), [(none, none)]), drive.pose_message(43, (2, 2, 0), 2, 0, map_number=-7),
+                 drive.status_message(map_name="<img src=x onerror=document.title=1>", problem="<b>&\"'", pan_rad=none,
+                                      readings_hz=huge, line=10**15, lines=-3)]
+        path = self.folder / "bad.lcmlog"
+        lcm_types.write_log(path, events + [(drive.T0 + 60 + i, *message) for i, message in enumerate(worse)])
+        page = self.look()
+        page.open(self.serve(path).url)
+        page.wait("return slamsensorView.story.status !== undefined", "the story")
+        for i in range(len(worse)):
+            self.seek(page, 60.0 + i)
+            frames = page.run("slamsensorView.view.dirty = true; return slamsensorView.stats.frames")
+            page.wait(f"return slamsensorView.stats.frames > {frames}", f"a frame after message {i}")
+        self.assertEqual(page.run(LIST, "#about-map")["Name"], "<img src=x onerror=document.title=1>")
+        self.assertEqual(page.run("return document.title"), "slamsensor")
+        self.assertEqual(page.text("#problem"), "<b>&\"'")
+        self.seek(page, 10.0)
+        self.assertEqual(page.text("#words"), "Fix")
+        self.assertEqual(page.errors(), [])
+
     def test_files_that_are_no_recordings_are_refused(self):
         path = self.folder / "x.lcmlog"
         path.write_text("hello")

@@ -61,7 +61,8 @@ void SensorStory::tell_pose(const firmware::PoseMessage& pose, std::int64_t utim
   const core::FixStatus status = status_of(pose);
   if (is_other) {
     const StoryTone tone = status == core::FixStatus::Fix ? StoryTone::Good : StoryTone::Bad;
-    tell(utime_us, tone, firmware::fix_phrase(firmware::fix_of(pose)));
+    const std::string phrase = firmware::fix_phrase(firmware::fix_of(pose));
+    tell(utime_us, tone, (status == core::FixStatus::Fix ? "fix: " : "") + phrase);
   }
   if (!is_first && pose.jumps > pose_->jumps) {
     tell(utime_us, StoryTone::Neutral, "the best hypothesis changed: the pose may have jumped");

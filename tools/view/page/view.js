@@ -8,11 +8,11 @@ const stats = { frames: 0, drawn_ms: 0, worst_ms: 0, bytes: 0, messages: 0 };
 
 // --- Words ----------------------------------------------------------------------------------------------------------
 
-const fixed = (value, digits) => (value === null || value === undefined ? "–" : value.toFixed(digits));
+const fixed = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : "–");
 const degrees = (radians) => (radians * 180) / Math.PI;
 
 function span(seconds) {
-  if (seconds === null || seconds === undefined) return "–";
+  if (!Number.isFinite(seconds)) return "–";
   if (seconds < 1) return `${Math.max(0, seconds * 1000).toFixed(seconds < 0.01 ? 1 : 0)} ms`;
   if (seconds < 120) return `${seconds.toFixed(1)} s`;
   if (seconds < 7200) return `${Math.floor(seconds / 60)} min`;
@@ -275,12 +275,15 @@ function drawGrid(context, width, height) {
   context.strokeStyle = view.colours.grid;
   context.lineWidth = 1;
   context.beginPath();
-  for (let x = Math.ceil(left / step) * step; x <= right; x += step) {
+  // By number, not by adding: far out a step may be too small to count.
+  const lines = (from, to) => Array.from({ length: Math.min(400, Math.max(0, Math.floor(to / step) - Math.ceil(from / step) + 1)) },
+    (_, i) => (Math.ceil(from / step) + i) * step);
+  for (const x of lines(left, right)) {
     const [px] = toScreen(x, 0);
     context.moveTo(Math.round(px) + 0.5, 0);
     context.lineTo(Math.round(px) + 0.5, height);
   }
-  for (let y = Math.ceil(bottom / step) * step; y <= top; y += step) {
+  for (const y of lines(bottom, top)) {
     const [, py] = toScreen(0, y);
     context.moveTo(0, Math.round(py) + 0.5);
     context.lineTo(width, Math.round(py) + 0.5);
@@ -394,7 +397,8 @@ function drawPose(context, pose) {
   const [px, py] = toScreen(pose.x, pose.y);
   const isFix = pose.status === "fix";
   const colour = isFix ? view.colours.sigma : pose.status === "ambiguous" ? view.colours.warn : view.colours.bad;
-  if (pose.protection > 0) {
+  const reach = 1e4; // px; much larger circles take a browser for ever, most of all dashed ones
+  if (pose.protection > 0 && pose.protection * view.scale < reach) {
     context.strokeStyle = view.colours.guard;
     context.lineWidth = 1.5;
     context.setLineDash([6, 4]);
@@ -408,7 +412,7 @@ function drawPose(context, pose) {
     context.strokeStyle = colour;
     context.lineWidth = 2;
     context.beginPath();
-    context.ellipse(px, py, Math.max(1, 3 * a * view.scale), Math.max(1, 3 * b * view.scale), -angle, 0, 2 * Math.PI);
+    context.ellipse(px, py, Math.min(reach, Math.max(1, 3 * a * view.scale)), Math.min(reach, Math.max(1, 3 * b * view.scale)), -angle, 0, 2 * Math.PI);
     context.stroke();
   }
   context.save();
@@ -512,11 +516,11 @@ function draw() {
 }
 
 function loop() {
+  requestAnimationFrame(loop); // first: what cannot be drawn must not be the last that is
   if (view.dirty) {
     view.dirty = false;
     draw();
   }
-  requestAnimationFrame(loop);
 }
 
 // --- Hands ----------------------------------------------------------------------------------------------------------

@@ -17,6 +17,7 @@ TEST(MapInfo, TellsWhatAMapHolds) {
       "error      xi up to 2\n"
       "path       3 poses\n"
       "method     tolerance 0.5 m, depth 2, cells of 0.25 m by 0.516 deg, up to 30 landmarks per scan\n"
+      "mode       a sensor may change it\n"
       "datum      latitude 59.3325000, longitude 18.0649000, height 28.50 m, x axis towards 90.000 deg\n");
 }
 
