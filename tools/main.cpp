@@ -1,5 +1,6 @@
 #include "firmware/daemon/version.hpp"
 #include "tools/commands/command.hpp"
+#include "tools/report/report_command.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -19,6 +20,7 @@ int run(int argc, char** argv) {
   add_replay(app, result);
   add_locate(app, result);
   add_eval(app, result);
+  add_report(app, result);
   add_simulate(app, result);
   add_demo(app, result);
   add_emulate(app, result);

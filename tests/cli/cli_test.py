@@ -5,11 +5,13 @@ import json
 import math
 import pathlib
 import random
+import shutil
 import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+import xml.dom.minidom
 
 PROGRAM, CONFIG = sys.argv[1], pathlib.Path(sys.argv[2])
 OK, USAGE, DATAERR, NOINPUT, CANTCREAT, CONFIGERR = 0, 64, 65, 66, 73, 78
@@ -171,6 +173,40 @@ class Cli(unittest.TestCase):
         self.assertEqual(code, DATAERR)
         self.assertIn("not read: " + str(self.folder / "scan_2.ply"), errors)
         self.assertIn("entries not read 2", output)
+
+    def test_report_of_a_replay_is_drawn(self):
+        draw = random.Random(4)
+        trees = [(draw.uniform(-60, 60), draw.uniform(-60, 60)) for _ in range(150)]
+        lines, truth = ["scan,x_m,y_m"], []
+        for scan in range(12):
+            x0 = -20.0 + 3.0 * scan
+            lines += [f"{scan},{x - x0 + draw.gauss(0, 0.05):.3f},{y + draw.gauss(0, 0.05):.3f}" for x, y in trees
+                      if math.hypot(x - x0, y) < 30]
+            truth.append(f"{scan} {x0} 0 0 0 0 0 1")
+        scans, true = self.write("scans.csv", "\n".join(lines) + "\n"), self.write("truth.tum", "\n".join(truth) + "\n")
+        self.assertEqual(run("replay", "--out", self.out, scans)[0], OK)
+        code, output, errors = run("report", self.out)
+        self.assertEqual(code, OK, errors)
+        self.assertEqual([pathlib.Path(line).name for line in output.split()], ["matches.svg", "time.svg"])
+        code, output, errors = run("report", self.out, "--truth", true, "--out", self.folder / "report")
+        self.assertEqual(code, OK, errors)
+        names = [pathlib.Path(line).name for line in output.split()]
+        self.assertEqual(names, ["matches.svg", "time.svg", "error.svg", "sigma.svg", "xi.svg"])
+        for name in names:
+            text = (self.folder / "report" / name).read_text()
+            self.assertTrue(text.startswith("<"), name)
+            xml.dom.minidom.parseString(text)
+        self.assertIn("12 of 12 scans gave a fix", (self.folder / "report" / "matches.svg").read_text())
+        self.assertIn("0 of 12 errors exceed the protection radius", (self.folder / "report" / "error.svg").read_text())
+        code, _, errors = run("report", self.out, "--png")
+        if shutil.which("rsvg-convert"):
+            self.assertEqual(code, OK, errors)
+            self.assertTrue((self.out / "report" / "matches.png").read_bytes().startswith(b"\x89PNG"))
+        else:
+            self.assertEqual(code, CANTCREAT)
+            self.assertIn("librsvg2-bin", errors)
+        self.assertEqual(run("report", self.folder)[0], NOINPUT)
+        self.assertEqual(run("report", self.out, "--truth", self.write("late.tum", "99 0 0 0 0 0 0 1\n"))[0], DATAERR)
 
     def test_locate_finds_the_map_in_itself(self):
         points = [(1.0, 2.0), (9.0, -3.0), (-6.0, 4.0), (12.0, 11.0), (-3.0, -13.0), (17.0, 2.5), (-14.0, -2.0),

@@ -93,9 +93,9 @@ class SurveyTable {
 
   tl::expected<void, InputError> choose_pair(const CsvReader& csv, std::string_view name) {
     if (wanted_.where && !csv.has(where_)) {
-      return refuse_line(
-          name, csv.line(),
-          "there is no column " + in_quotes(wanted_.where->first) + ", which --where asks for; name one of the first line");
+      return refuse_line(name, csv.line(),
+                         "there is no column " + in_quotes(wanted_.where->first) +
+                             ", which --where asks for; name one of the first line");
     }
     for (pair_ = 0; pair_ < pairs_.size(); ++pair_) {
       if (csv.has(2 * pair_) && csv.has(2 * pair_ + 1)) {

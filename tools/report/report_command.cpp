@@ -1,0 +1,121 @@
+#include "tools/report/report_command.hpp"
+
+#include "tools/input/file.hpp"
+#include "tools/input/tum.hpp"
+#include "tools/output/write_file.hpp"
+#include "tools/report/report_plots.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace slamsensor::tools {
+namespace {
+
+struct Options {
+  std::filesystem::path run;
+  std::filesystem::path truth;
+  std::filesystem::path out;
+  bool png = false;
+};
+
+tl::unexpected<CommandError> fail(std::string message, int exit_status) {
+  return tl::unexpected(CommandError{std::move(message) + '\n', exit_status});
+}
+
+/// By Debian's librsvg2-bin, twice as large as the SVG says.
+tl::expected<void, CommandError> draw_png(const std::filesystem::path& svg,
+                                          const std::filesystem::path& png) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::execlp("rsvg-convert", "rsvg-convert", "--zoom", "2", "--background-color", "white", "-o", png.c_str(),
+             svg.c_str(), static_cast<char*>(nullptr));
+    ::_exit(errno == ENOENT ? 127 : 126);
+  }
+  int status = 0;
+  const bool has_ended = child > 0 && ::waitpid(child, &status, 0) == child && WIFEXITED(status);
+  if (has_ended && WEXITSTATUS(status) == 0) {
+    return {};
+  }
+  return fail(png.string() + ": rsvg-convert " +
+                  (has_ended && WEXITSTATUS(status) == 127
+                       ? "is not installed; apt install librsvg2-bin, or leave --png out"
+                       : "could not draw it from " + svg.string()),
+              EX_CANTCREAT);
+}
+
+/// Of the fixes against the truth, aligned by the first; none without a truth.
+tl::expected<std::optional<AlignedErrors>, CommandError> errors_of(const Options& options) {
+  if (options.truth.empty()) {
+    return std::nullopt;
+  }
+  const auto truth = read_tum(options.truth);
+  const auto trajectory = truth ? read_tum(options.run / "trajectory.tum") : truth;
+  if (!trajectory) {
+    return fail(trajectory.error().message, EX_DATAERR);
+  }
+  auto evaluation = evaluate(*truth, *trajectory);
+  if (!evaluation) {
+    return fail(evaluation.error().message, EX_DATAERR);
+  }
+  if (!evaluation->first_fix) {
+    return fail(options.truth.string() + ": no fix has a time of the truth; check that both count time alike",
+                EX_DATAERR);
+  }
+  return std::move(evaluation->first_fix);
+}
+
+CommandResult run(const Options& options) {
+  const std::filesystem::path table = options.run / "fixes.csv";
+  const auto text = read_file(table);
+  if (!text) {
+    return fail(text.error().message + "; name the --out folder of a replay", EX_NOINPUT);
+  }
+  const auto rows = parse_report_rows(*text, table.string());
+  if (!rows) {
+    return fail(rows.error().message, EX_DATAERR);
+  }
+  const auto errors = errors_of(options);
+  if (!errors) {
+    return tl::unexpected(errors.error());
+  }
+  const std::filesystem::path out = options.out.empty() ? options.run / "report" : options.out;
+  std::error_code ignored;  // what is wrong shows in the next step
+  std::filesystem::create_directories(out, ignored);
+  for (const ReportPlot& plot : report_plots(*rows, *errors)) {
+    const std::filesystem::path svg = out / (plot.name + ".svg");
+    if (const auto written = write_file(svg, draw_curve(plot.plot)); !written) {
+      return fail(written.error().message, EX_CANTCREAT);
+    }
+    std::printf("%s\n", svg.c_str());
+    if (options.png) {
+      const std::filesystem::path png = out / (plot.name + ".png");
+      if (auto drawn = draw_png(svg, png); !drawn) {
+        return tl::unexpected(drawn.error());
+      }
+      std::printf("%s\n", png.c_str());
+    }
+  }
+  return EX_OK;
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, CommandResult& result) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb =
+      app.add_subcommand("report", "plots of a replay: errors, sigma, xi, matches, time per scan");
+  verb->add_option("RUN", options->run, "the --out folder of a replay")->required()->type_name("DIR");
+  verb->add_option("--truth", options->truth, "true poses: plots of the errors too")->type_name("T.tum");
+  verb->add_option("--out", options->out, "folder for the plots; else RUN/report")->type_name("DIR");
+  verb->add_flag("--png", options->png, "also as PNG, by rsvg-convert (librsvg2-bin)");
+  verb->callback([options, &result] { result = run(*options); });
+}
+
+}  // namespace slamsensor::tools
