@@ -54,7 +54,8 @@ class Places {
  private:
   struct Hash {
     std::size_t operator()(const std::pair<std::int64_t, std::int64_t>& cell) const {
-      return std::hash<std::int64_t>()(cell.first * 0x9E3779B97F4A7C15LL ^ cell.second);
+      const std::uint64_t mixed = static_cast<std::uint64_t>(cell.first) * 0x9E3779B97F4A7C15U;
+      return std::hash<std::uint64_t>()(mixed ^ static_cast<std::uint64_t>(cell.second));
     }
   };
   std::unordered_map<std::pair<std::int64_t, std::int64_t>, core::Point2, Hash> points_;

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace slamsensor::tools {
 namespace {
@@ -126,7 +127,7 @@ TEST_F(SensorStoryTest, AReaderGetsEachThingOnceAndAllAfterARestart) {
 TEST_F(SensorStoryTest, NumbersThatAreNoneAreNullInJson) {
   firmware::PoseMessage message = pose(0);
   message.y_m = std::nan("");
-  message.covariance.fill(INFINITY);
+  message.covariance.fill(std::numeric_limits<double>::infinity());
   send(message);
   StoryCursor cursor;
   const std::string text = story_json(story, now_us, cursor).dump();
