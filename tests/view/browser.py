@@ -33,8 +33,12 @@ class Browser:
             arguments.append("--force-dark-mode")
         options = {"capabilities": {"alwaysMatch": {"browserName": "chrome", "goog:loggingPrefs": {"browser": "ALL"},
                                                     "goog:chromeOptions": {"binary": shutil.which("chromium"), "args": arguments}}}}
-        self.session = self.call("POST", "/session", options)["sessionId"]
-        self.size(width, height)
+        try:
+            self.session = self.call("POST", "/session", options)["sessionId"]
+            self.size(width, height)
+        except BaseException:
+            self.stop_driver()
+            raise
 
     def call(self, method, path, body=None):
         data = json.dumps(body if body is not None else {}).encode() if method == "POST" else None
@@ -95,7 +99,10 @@ class Browser:
         try:
             self.do("DELETE", "")
         finally:
-            self.driver.terminate()
-            self.driver.wait()
-            self.driver.stdout.close()
-            self.profile.cleanup()
+            self.stop_driver()
+
+    def stop_driver(self):
+        self.driver.terminate()
+        self.driver.wait()
+        self.driver.stdout.close()
+        self.profile.cleanup()
