@@ -2,7 +2,7 @@
 
 #include "tools/map_files/map_earth.hpp"
 #include "tools/output/number_text.hpp"
-#include "tools/plot/xml_text.hpp"
+#include "tools/plot/svg.hpp"
 
 #include <nlohmann/json.hpp>
 

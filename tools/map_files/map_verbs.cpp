@@ -6,7 +6,7 @@
 #include "tools/map_files/export_map.hpp"
 #include "tools/map_files/open_map.hpp"
 #include "tools/map_files/survey_map.hpp"
-#include "tools/output/map_info.hpp"
+#include "tools/output/result_files.hpp"
 #include "tools/output/write_file.hpp"
 
 #include <CLI/CLI.hpp>

@@ -1,4 +1,4 @@
-#include "tools/input/file.hpp"
+#include "tools/input/text.hpp"
 #include "tools/map_files/survey_points.hpp"
 
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/geometry/pose2.hpp"
-#include "tools/input/input_error.hpp"
+#include "tools/input/text.hpp"
 #include "tools/map_files/map_earth.hpp"
 
 #include <tl/expected.hpp>

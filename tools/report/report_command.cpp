@@ -1,7 +1,7 @@
 #include "tools/report/report_command.hpp"
 
-#include "tools/input/file.hpp"
-#include "tools/input/tum.hpp"
+#include "tools/input/text.hpp"
+#include "tools/input/text_files.hpp"
 #include "tools/output/write_file.hpp"
 #include "tools/report/report_plots.hpp"
 

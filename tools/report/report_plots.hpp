@@ -1,7 +1,7 @@
 #pragma once
 
 #include "tools/eval/evaluation.hpp"
-#include "tools/input/input_error.hpp"
+#include "tools/input/text.hpp"
 #include "tools/plot/curve_plot.hpp"
 
 #include <tl/expected.hpp>

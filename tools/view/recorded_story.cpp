@@ -1,7 +1,6 @@
 #include "tools/view/recorded_story.hpp"
 
 #include "firmware/recording/messages.hpp"
-#include "tools/recording/event_log_reader.hpp"
 #include "tools/recording/recording_file.hpp"
 
 #include <toml++/toml.h>

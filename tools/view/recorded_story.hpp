@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tools/input/input_error.hpp"
+#include "tools/input/text.hpp"
 #include "tools/view/sensor_story.hpp"
 
 #include <tl/expected.hpp>
