@@ -9,26 +9,34 @@ namespace slamsensor::core {
 namespace {
 
 // Costs in about nanoseconds, to know when to look at the clock and when enough has been done.
-constexpr std::uint64_t kWorkPerEntry = 1;
-constexpr std::uint64_t kWorkPerQuery = 60;
-constexpr std::uint64_t kWorkPerPose = 120;
+constexpr std::uint64_t kWorkPerEntry = 2;
+constexpr std::uint64_t kWorkPerQuery = 200;
+constexpr std::uint64_t kWorkPerStar = 12;
+constexpr std::uint64_t kWorkPerLookUp = 30;
 constexpr std::uint64_t kWorkPerMatch = 60;  // per landmark of the scan and round
 constexpr std::uint64_t kWorkPerDeadlineLook = 50'000;
 
 // With a clear leader a rival elsewhere would have shown by now: it shares a fifth of the leader's triangles
 // or more, so that each of these tries has that chance to meet it.
 constexpr std::uint64_t kTrianglesEnough = 24;
-constexpr std::uint64_t kWorkEnough = 150'000;
-constexpr double kClearLead = 20.0;  // nats of likelihood against chance
+constexpr std::uint64_t kTrianglesContested = 120;
+constexpr double kContestedShare = 0.5;
+constexpr std::uint64_t kWorkEnough = 20'000;
+constexpr double kClearLead = 12.0;    // nats above what chance reaches
+constexpr double kChanceMargin = 5.0;  // nats below what chance reaches, from which on candidates are kept
 
-constexpr std::uint32_t kConfirmations =
-    2;  // landmarks beside the triangle that have to be where they should be
+constexpr std::uint32_t kWitnesses = 2;  // neighbours of a triangle that the scan has to show, too
 constexpr std::uint32_t kConfirmationTries = 8;
+constexpr std::uint32_t kPlannedNeighbours = 5;  // of a landmark: its triangles that are tried by their price
+constexpr std::uint32_t kEntriesPerQuery = 4;    // that cost as much as a query does anyway, by bucket
+constexpr float kPricePerRank = 0.5F;            // farther neighbours are less likely linked in the map
+constexpr double kWindowSigmas = 1.6;      // of a side: most of what is right at a third of the cost of all
 constexpr double kLooseGate = 1.4;         // in tolerances: a pose of three landmarks is not precise
 constexpr std::uint32_t kFailuresMax = 3;  // tries at one place that may fail before it is left alone
 constexpr int kRounds = 4;                 // of matching and fitting
 constexpr std::uint32_t kMatchesMin = 4;   // three match by construction: only a fourth says anything
 constexpr double kRobustScale = 2.0;       // of the robust fit, in sigmas
+constexpr double kCellsPerGate = 3.0;      // of the mask
 
 /// Pairs of neighbours, the nearest first: (0,1), (0,2), (1,2), (0,3), ...
 struct Pair {
@@ -55,6 +63,28 @@ double cross(const Point2& a, const Point2& b) noexcept {
 
 }  // namespace
 
+void ScanMask::draw(std::span<const Point2> scan, double gate_m) noexcept {
+  for (auto& row : bits_) {
+    row.fill(0);
+  }
+  const double cell_m = gate_m / kCellsPerGate;
+  cells_per_m_ = static_cast<float>(1.0 / cell_m);
+  for (const Point2& p : scan) {
+    const double x = p.x() / cell_m + static_cast<double>(kShift);
+    const double y = p.y() / cell_m + static_cast<double>(kShift);
+    const auto row_last = static_cast<std::uint32_t>(y + kCellsPerGate);
+    for (auto row = static_cast<std::uint32_t>(y - kCellsPerGate); row <= row_last; ++row) {
+      // Half the width of the disc at the line of the row that is nearest to its middle.
+      const double dy = std::max({0.0, static_cast<double>(row) - y, y - 1.0 - static_cast<double>(row)});
+      const double half = std::sqrt(std::max(0.0, kCellsPerGate * kCellsPerGate - dy * dy));
+      const auto last = static_cast<std::uint32_t>(x + half);
+      for (auto column = static_cast<std::uint32_t>(x - half); column <= last; ++column) {
+        bits_[row & kSideMask][(column & kSideMask) >> 6U] |= std::uint64_t{1} << (column & 63U);
+      }
+    }
+  }
+}
+
 FastSearch::FastSearch(Arena& arena, const AssociationConfig& config, const Capacities&) noexcept
     : config_(config), tried_(arena, "association: poses tried", 8'192) {
   SLAMSENSOR_ASSERT(tried_.try_resize(tried_.capacity()));
@@ -74,6 +104,11 @@ void FastSearch::search(std::span<const Point2> scan, const LandmarkIndex& index
   for (const Point2& p : scan) {
     middle_ += p / static_cast<double>(scan.size());
   }
+  per_match_ = std::log(model_.detection /
+                        (2.0 * std::numbers::pi * model_.sigma_m * model_.sigma_m * model_.density_per_m2));
+  // About the area that the maps cover, times the headings.
+  chance_ = std::log(2.0 * std::numbers::pi * static_cast<double>(index.size() + 1) / model_.density_per_m2);
+  worth_ = 0.0;
   work_ = looked_at_ = 0;
   ++round_;
   found.list.clear();
@@ -82,39 +117,118 @@ void FastSearch::search(std::span<const Point2> scan, const LandmarkIndex& index
   if (scan.size() < 3 || index.size() < 3 || found.end == SearchEnd::Deadline) {
     return;
   }
-  find_neighbourhoods();
-  static constexpr auto kPairs = pairs_by_rank<kNeighbours>();
-  found.vertices_total = kPairs.size() * scan.size();
-  for (const Pair& pair : kPairs) {
-    for (std::uint32_t apex = 0; apex < scan.size(); ++apex) {
-      if (pair.j < neighbourhoods_[apex].size() && try_pair(apex, pair.i, pair.j, found)) {
-        return;
-      }
-    }
+  has_neighbourhood_.fill(false);
+  mask_.draw(scan, kLooseGate * config_.tolerance_m);
+  asks_witnesses_ = true;
+  window_m_ = std::min(config_.tolerance_m, kWindowSigmas * std::numbers::sqrt2 * model_.sigma_m);
+  if (!try_cheapest(found)) {  // a poor scan, or a place that is not in the map
+    asks_witnesses_ = false;
+    window_m_ = config_.tolerance_m;
+    static_cast<void>(try_all(found));
+  }
+  while (found.list.size() > 1 && found.list.back().score < chance_ - kChanceMargin) {
+    found.list.truncate(found.list.size() - 1);
   }
 }
 
-/// The nearest neighbours of each landmark of the scan that are not too near.
-void FastSearch::find_neighbourhoods() noexcept {
-  const auto side_min_m = static_cast<float>(index_->side_min_m());
-  for (std::uint32_t i = 0; i < scan_.size(); ++i) {
-    Neighbourhood& list = neighbourhoods_[i];
-    list.clear();
-    for (std::uint32_t j = 0; j < scan_.size(); ++j) {
-      const auto distance_m = static_cast<float>((scan_[i] - scan_[j]).norm());
-      if (i == j || distance_m < side_min_m ||
-          (list.size() == kNeighbours && distance_m >= list.back().distance_m)) {
+bool FastSearch::has_lead(const Candidates& found) const noexcept {
+  return !found.list.empty() && found.list[0].score >= chance_ + kClearLead;
+}
+
+/// Whether another place comes near the leader: the world repeats itself, and what leads now need not lead in
+/// the end.
+bool FastSearch::is_contested(const Candidates& found) noexcept {
+  return found.list.size() > 1 && found.list[1].score > kContestedShare * found.list[0].score;
+}
+
+/// Tries the triangles of near neighbours, those first that are most likely in the index for their price.
+/// True when the search is over.
+bool FastSearch::try_cheapest(Candidates& found) noexcept {
+  static constexpr auto kPairs = pairs_by_rank<kPlannedNeighbours>();
+  plans_.clear();
+  const auto apexes =
+      std::min<std::uint32_t>(static_cast<std::uint32_t>(scan_.size()), kPlansMax / kPairs.size());
+  for (std::uint32_t apex = 0; apex < apexes; ++apex) {
+    find_neighbourhood(apex);
+    for (const Pair& pair : kPairs) {
+      if (pair.j >= neighbourhoods_[apex].size()) {
         continue;
       }
-      if (list.size() < kNeighbours) {
-        SLAMSENSOR_ASSERT(list.try_push_back({j, distance_m}));
+      if (const auto planned = plan(apex, pair.i, pair.j)) {
+        SLAMSENSOR_ASSERT(plans_.try_push_back(*planned));
       }
-      std::size_t place = list.size() - 1;
-      for (; place > 0 && list[place - 1].distance_m > distance_m; --place) {
-        list[place] = list[place - 1];
-      }
-      list[place] = {j, distance_m};
     }
+  }
+  std::sort(plans_.begin(), plans_.end(), [](const Plan& a, const Plan& b) { return a.cost < b.cost; });
+  for (const Plan& planned : plans_) {
+    if (try_pair(planned.apex, planned.i, planned.j, found)) {
+      return true;
+    }
+  }
+  return has_lead(found) && !is_contested(found);
+}
+
+/// None when the landmark's corner is not the one opposite the longest side.
+std::optional<FastSearch::Plan> FastSearch::plan(std::uint32_t apex, std::uint32_t i,
+                                                 std::uint32_t j) const noexcept {
+  const Neighbour& p = neighbourhoods_[apex][i];
+  const Neighbour& q = neighbourhoods_[apex][j];
+  const Point2 to_p = scan_[p.index] - scan_[apex];
+  const Point2 to_q = scan_[q.index] - scan_[apex];
+  const auto longest_m = static_cast<float>((to_p - to_q).norm());
+  if (longest_m < q.distance_m) {
+    return std::nullopt;
+  }
+  const double area = cross(to_q, to_p);
+  const bool is_flat = std::abs(area) < 2.0 * config_.tolerance_m * static_cast<double>(longest_m);
+  const bool is_even = q.distance_m - p.distance_m < static_cast<float>(window_m_);
+  const std::uint32_t entries = index_->bucket_entries({longest_m, q.distance_m, p.distance_m}, area > 0.0);
+  const float cost = static_cast<float>(entries + kEntriesPerQuery) * (is_flat ? 2.0F : 1.0F) *
+                     (is_even ? 2.0F : 1.0F) * (1.0F + kPricePerRank * static_cast<float>(i + j - 1));
+  return Plan{cost, static_cast<std::uint8_t>(apex), static_cast<std::uint8_t>(i),
+              static_cast<std::uint8_t>(j)};
+}
+
+/// Tries all triangles, about each landmark in turn. True when the search is over.
+bool FastSearch::try_all(Candidates& found) noexcept {
+  static constexpr auto kPairs = pairs_by_rank<kNeighbours>();
+  found.vertices_total = kPairs.size() * scan_.size();
+  for (const Pair& pair : kPairs) {
+    for (std::uint32_t apex = 0; apex < scan_.size(); ++apex) {
+      find_neighbourhood(apex);
+      if (pair.j < neighbourhoods_[apex].size() && try_pair(apex, pair.i, pair.j, found)) {
+        return true;
+      }
+    }
+  }
+  return has_lead(found);
+}
+
+/// The nearest neighbours of a landmark of the scan that are not too near.
+void FastSearch::find_neighbourhood(std::uint32_t apex) noexcept {
+  if (has_neighbourhood_[apex]) {
+    return;
+  }
+  has_neighbourhood_[apex] = true;
+  Neighbourhood& list = neighbourhoods_[apex];
+  list.clear();
+  const auto side_min2 = static_cast<float>(index_->side_min_m() * index_->side_min_m());
+  for (std::uint32_t j = 0; j < scan_.size(); ++j) {
+    const auto distance2 = static_cast<float>((scan_[apex] - scan_[j]).squaredNorm());
+    if (distance2 < side_min2 || (list.size() == kNeighbours && distance2 >= list.back().distance_m)) {
+      continue;
+    }
+    if (list.size() < kNeighbours) {
+      SLAMSENSOR_ASSERT(list.try_push_back({j, distance2}));
+    }
+    std::size_t place = list.size() - 1;
+    for (; place > 0 && list[place - 1].distance_m > distance2; --place) {
+      list[place] = list[place - 1];
+    }
+    list[place] = {j, distance2};
+  }
+  for (Neighbour& neighbour : list) {
+    neighbour.distance_m = std::sqrt(neighbour.distance_m);
   }
 }
 
@@ -123,7 +237,7 @@ void FastSearch::find_neighbourhoods() noexcept {
 bool FastSearch::try_pair(std::uint32_t apex, std::uint32_t i, std::uint32_t j, Candidates& found) noexcept {
   const Neighbour& p = neighbourhoods_[apex][i];
   const Neighbour& q = neighbourhoods_[apex][j];
-  const auto window_m = static_cast<float>(config_.tolerance_m);
+  const auto window_m = static_cast<float>(window_m_);
   const Point2 to_p = scan_[p.index] - scan_[apex];
   const Point2 to_q = scan_[q.index] - scan_[apex];
   const auto longest_m = static_cast<float>((to_p - to_q).norm());
@@ -144,20 +258,23 @@ bool FastSearch::try_pair(std::uint32_t apex, std::uint32_t i, std::uint32_t j, 
   return is_over(found);
 }
 
-bool FastSearch::is_over(Candidates& found) noexcept {
-  if (found.end == SearchEnd::Deadline) {
-    return true;
-  }
+bool FastSearch::is_late(Candidates& found) noexcept {
   if (work_ - looked_at_ >= kWorkPerDeadlineLook) {
     looked_at_ = work_;
     if (deadline_.expired()) {
       found.end = SearchEnd::Deadline;
-      return true;
     }
   }
-  const bool is_clear = !found.list.empty() && found.list[0].score >= kClearLead;
+  return found.end == SearchEnd::Deadline;
+}
+
+bool FastSearch::is_over(Candidates& found) noexcept {
+  if (is_late(found)) {
+    return true;
+  }
+  const std::uint64_t enough = is_contested(found) ? kTrianglesContested : kTrianglesEnough;
   if (work_ >= config_.effort_max ||
-      (is_clear && work_ >= kWorkEnough && found.vertices_searched >= kTrianglesEnough)) {
+      (has_lead(found) && work_ >= kWorkEnough && found.vertices_searched >= enough)) {
     found.end = SearchEnd::Share;
     return true;
   }
@@ -166,82 +283,174 @@ bool FastSearch::is_over(Candidates& found) noexcept {
 
 void FastSearch::query(std::uint32_t apex, std::uint32_t second, std::uint32_t third,
                        LandmarkIndex::Turn turn, Candidates& found) noexcept {
+  const Point2 to_second = scan_[second] - scan_[apex];
+  const Point2 to_third = scan_[third] - scan_[apex];
   LandmarkIndex::Sides sides;
-  sides.longest_m = static_cast<float>((scan_[second] - scan_[third]).norm());
-  sides.middle_m = static_cast<float>((scan_[second] - scan_[apex]).norm());
-  sides.shortest_m = static_cast<float>((scan_[third] - scan_[apex]).norm());
-  const std::uint64_t entries =
-      index_->visit_triangles(sides, static_cast<float>(config_.tolerance_m), turn,
-                              [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-                                if (work_ < config_.effort_max && found.end != SearchEnd::Deadline) {
-                                  try_triangle({{apex, second, third}, {a, b, c}}, found);
-                                }
-                              });
-  work_ += kWorkPerQuery + entries * kWorkPerEntry;
+  sides.longest_m = static_cast<float>((to_second - to_third).norm());
+  sides.middle_m = static_cast<float>(to_second.norm());
+  sides.shortest_m = static_cast<float>(to_third.norm());
+  const auto window_m = static_cast<float>(window_m_);
+  const auto low2 = [&](float side_m) {
+    const float low_m = std::max(0.0F, side_m - window_m);
+    return low_m * low_m;
+  };
+  const auto high2 = [&](float side_m) { return (side_m + window_m) * (side_m + window_m); };
+  const Wanted wanted{{apex, second, third},
+                      static_cast<float>(scan_[apex].x()),
+                      static_cast<float>(scan_[apex].y()),
+                      static_cast<float>(to_second.x()),
+                      static_cast<float>(to_second.y()),
+                      static_cast<float>(to_third.x()),
+                      static_cast<float>(to_third.y()),
+                      {low2(sides.middle_m), low2(sides.shortest_m), low2(sides.longest_m)},
+                      {high2(sides.middle_m), high2(sides.shortest_m), high2(sides.longest_m)}};
+  work_ += kWorkPerQuery;
+  Turned turned;  // NOLINT: written before it is read
+  index_->visit_triangles(
+      sides, window_m, turn,
+      [&](std::uint32_t slot, LandmarkIndex::Pair pair) {
+        work_ += kWorkPerStar;
+        if (is_witnessed(wanted, index_->star(slot), pair, turned)) {
+          try_pose(wanted, turned, slot, found);
+        }
+      },
+      [&](std::uint32_t entries) {
+        work_ += entries * kWorkPerEntry;
+        return work_ < config_.effort_max && !is_late(found);
+      });
 }
 
-void FastSearch::try_triangle(const Triangle& triangle, Candidates& found) noexcept {
-  work_ += kWorkPerPose / 4;
-  const MapSlot map = index_->map_of(triangle.map[0]);
+/// Whether the scan shows enough of the neighbours that the star has beside the triangle where the triangle
+/// says that they are.
+bool FastSearch::is_witnessed(const Wanted& wanted, std::span<const LandmarkIndex::Offset> star,
+                              LandmarkIndex::Pair pair, Turned& turned) const noexcept {
+  float bx = star[pair.first].x_m();
+  float by = star[pair.first].y_m();
+  float cx = star[pair.second].x_m();
+  float cy = star[pair.second].y_m();
+  float b2 = bx * bx + by * by;
+  float c2 = cx * cx + cy * cy;
+  if (b2 < c2) {
+    std::swap(bx, cx);
+    std::swap(by, cy);
+    std::swap(b2, c2);
+  }
+  const float a2 = (bx - cx) * (bx - cx) + (by - cy) * (by - cy);
+  if (b2 < wanted.low2_m2[0] || b2 > wanted.high2_m2[0] || c2 < wanted.low2_m2[1] ||
+      c2 > wanted.high2_m2[1] || a2 < wanted.low2_m2[2] || a2 > wanted.high2_m2[2]) {
+    return false;  // its bucket is shared with other sides
+  }
+  constexpr float kThird = 1.0F / 3.0F;
+  turned.middle_map_x_m = (bx + cx) * kThird;
+  turned.middle_map_y_m = (by + cy) * kThird;
+  turned.middle_scan_x_m = (wanted.second_x_m + wanted.third_x_m) * kThird;
+  turned.middle_scan_y_m = (wanted.second_y_m + wanted.third_y_m) * kThird;
+  const float dot =
+      wanted.second_x_m * bx + wanted.second_y_m * by + wanted.third_x_m * cx + wanted.third_y_m * cy -
+      3.0F *
+          (turned.middle_scan_x_m * turned.middle_map_x_m + turned.middle_scan_y_m * turned.middle_map_y_m);
+  const float across =
+      wanted.second_x_m * by - wanted.second_y_m * bx + wanted.third_x_m * cy - wanted.third_y_m * cx -
+      3.0F *
+          (turned.middle_scan_x_m * turned.middle_map_y_m - turned.middle_scan_y_m * turned.middle_map_x_m);
+  const float scale = 1.0F / std::sqrt(std::max(dot * dot + across * across, 1e-12F));
+  turned.cosine = dot * scale;
+  turned.sine = across * scale;
+  const float base_x = wanted.apex_x_m + turned.middle_scan_x_m;
+  const float base_y = wanted.apex_y_m + turned.middle_scan_y_m;
+  if (!asks_witnesses_) {
+    return true;
+  }
+  std::uint32_t left = 0;
+  std::uint32_t seen = 0;
+  for (std::uint32_t ray = 0; ray < star.size(); ++ray) {
+    if (ray == pair.first || ray == pair.second || !star[ray].is_some()) {
+      continue;
+    }
+    const float dx = star[ray].x_m() - turned.middle_map_x_m;
+    const float dy = star[ray].y_m() - turned.middle_map_y_m;
+    ++left;
+    seen += mask_.has(base_x + turned.cosine * dx + turned.sine * dy,
+                      base_y - turned.sine * dx + turned.cosine * dy)
+                ? 1U
+                : 0U;
+  }
+  return seen >= std::min(kWitnesses, left);
+}
+
+void FastSearch::try_pose(const Wanted& wanted, const Turned& turned, std::uint32_t apex,
+                          Candidates& found) noexcept {
+  const MapSlot map = index_->map_of(apex);
   if (map == except_) {
     return;
   }
-  // The pose by least squares over the three corners.
-  const Point2 mean_B = (scan_[triangle.scan[0]] + scan_[triangle.scan[1]] + scan_[triangle.scan[2]]) / 3.0;
-  const Point2 mean_W =
-      (positions_[triangle.map[0]] + positions_[triangle.map[1]] + positions_[triangle.map[2]]) / 3.0;
-  double dot = 0.0;
-  double turned = 0.0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Point2 b = scan_[triangle.scan[i]] - mean_B;
-    const Point2 w = positions_[triangle.map[i]] - mean_W;
-    dot += b.dot(w);
-    turned += cross(b, w);
-  }
-  const RigidMotion move = RigidMotion::from_direction(mean_B, mean_W, dot, turned);
+  const Point2 middle_B = scan_[wanted.scan[0]] + Point2(static_cast<double>(turned.middle_scan_x_m),
+                                                         static_cast<double>(turned.middle_scan_y_m));
+  const Point2 middle_W = index_->place(apex) + Point2(static_cast<double>(turned.middle_map_x_m),
+                                                       static_cast<double>(turned.middle_map_y_m));
+  const RigidMotion move = RigidMotion::from_direction(middle_B, middle_W, static_cast<double>(turned.cosine),
+                                                       static_cast<double>(turned.sine));
   Tried& tried = tried_at(move, map);
   if (tried.failures >= kFailuresMax) {
     return;
   }
-  work_ += kWorkPerPose;
   ++found.poses_tried;
-  if (!is_confirmed(move, map, triangle)) {
+  if (!asks_witnesses_ && !is_confirmed(move, map, wanted)) {
+    ++tried.failures;
+    return;
+  }
+  // So many matches are worth something even if all lie where they should.
+  const auto enough = std::max<std::uint32_t>(
+      kMatchesMin, static_cast<std::uint32_t>(std::ceil(std::max(0.0, worth_) / per_match_ + 1.5)));
+  if (count(move, map, enough) < enough) {
     ++tried.failures;
     return;
   }
   tried.failures = kFailuresMax;
-  refine(move.pose(), map, triangle, found);
-  if (work_ - looked_at_ >= kWorkPerDeadlineLook) {
-    looked_at_ = work_;
-    found.end = deadline_.expired() ? SearchEnd::Deadline : found.end;
-  }
+  refine(move.pose(), map, wanted, found);
 }
 
-/// Whether enough of the landmarks about the triangle are where the pose says.
-bool FastSearch::is_confirmed(const RigidMotion& move, MapSlot map, const Triangle& triangle) const noexcept {
+/// Whether enough of the landmarks of the scan about the triangle are in the map where the pose says.
+bool FastSearch::is_confirmed(const RigidMotion& move, MapSlot map, const Wanted& wanted) noexcept {
   const double gate_m = kLooseGate * config_.tolerance_m;
-  const auto others = static_cast<std::uint32_t>(scan_.size()) - 3U;
-  const std::uint32_t wanted = std::min(kConfirmations, others);
+  const std::uint32_t enough = std::min(kWitnesses, static_cast<std::uint32_t>(scan_.size()) - 3U);
   std::uint32_t hits = 0;
   std::uint32_t tries = 0;
-  for (const std::uint32_t corner : triangle.scan) {
+  for (const std::uint32_t corner : wanted.scan) {
+    find_neighbourhood(corner);
     for (const Neighbour& n : neighbourhoods_[corner]) {
-      if (n.index == triangle.scan[0] || n.index == triangle.scan[1] || n.index == triangle.scan[2]) {
+      if (n.index == wanted.scan[0] || n.index == wanted.scan[1] || n.index == wanted.scan[2]) {
         continue;
       }
       double distance2 = 0.0;
+      work_ += kWorkPerLookUp;
       hits += index_->nearest_within(map, move(scan_[n.index]), gate_m, distance2) != LandmarkIndex::kNone
                   ? 1U
                   : 0U;
-      if (hits >= wanted) {
-        return true;
-      }
-      if (++tries >= kConfirmationTries || (tries == 5 && hits == 0)) {
-        return hits >= wanted;
+      if (hits >= enough || ++tries >= kConfirmationTries || (tries == 5 && hits == 0)) {
+        return hits >= enough;
       }
     }
   }
-  return hits >= wanted;
+  return hits >= enough;
+}
+
+/// The landmarks of the scan that have one of the map near under `move`; fewer than `enough` as soon as
+/// `enough` is out of reach.
+std::uint32_t FastSearch::count(const RigidMotion& move, MapSlot map, std::uint32_t enough) noexcept {
+  const double gate_m = kLooseGate * config_.tolerance_m;
+  auto left = static_cast<std::uint32_t>(scan_.size());
+  std::uint32_t seen = 0;
+  double distance2 = 0.0;
+  for (const Point2& p : scan_) {
+    work_ += kWorkPerLookUp;
+    seen += index_->nearest_within(map, move(p), gate_m, distance2) != LandmarkIndex::kNone ? 1U : 0U;
+    --left;
+    if (seen >= enough || seen + left < enough) {
+      break;
+    }
+  }
+  return seen;
 }
 
 /// One-to-one matches under `pose` within the gate; of two that claim a landmark the nearer one has it.
@@ -283,12 +492,15 @@ double FastSearch::match(const Pose2& pose, MapSlot map, double gate_m, MatchLis
   return sum;
 }
 
-void FastSearch::refine(const Pose2& pose, MapSlot map, const Triangle& triangle,
-                        Candidates& found) noexcept {
+double FastSearch::score(std::size_t matches, double residual_m2) const noexcept {
+  return per_match_ * (static_cast<double>(matches) - 1.5) -
+         residual_m2 / (2.0 * model_.sigma_m * model_.sigma_m);
+}
+
+void FastSearch::refine(const Pose2& pose, MapSlot map, const Wanted& wanted, Candidates& found) noexcept {
   Candidate candidate;
   candidate.map = map;
   candidate.pose_W = pose;
-  candidate.triangle = triangle.map;
   const double tight_m = std::max(config_.tolerance_m, 3.0 * model_.sigma_m);
   std::size_t before = 0;
   for (int round = 0; round < kRounds; ++round) {
@@ -304,14 +516,32 @@ void FastSearch::refine(const Pose2& pose, MapSlot map, const Triangle& triangle
     candidate.pose_W = fit_pose_robust(candidate.pose_W, candidate.matches.span(), scan_, positions_,
                                        round == 0 ? gate_m : kRobustScale * model_.sigma_m);
   }
-  const double per_match = std::log(
-      model_.detection / (2.0 * std::numbers::pi * model_.sigma_m * model_.sigma_m * model_.density_per_m2));
   candidate.residual_m2 = match(candidate.pose_W, map, tight_m, candidate.matches);
-  candidate.score = per_match * (static_cast<double>(candidate.matches.size()) - 1.5) -
-                    candidate.residual_m2 / (2.0 * model_.sigma_m * model_.sigma_m);
+  candidate.score = score(candidate.matches.size(), candidate.residual_m2);
   if (candidate.matches.size() >= kMatchesMin) {
     tried_at(RigidMotion(candidate.pose_W), map).failures = kFailuresMax;
+    name_triangle(wanted, candidate);
     offer(candidate, found);
+  }
+}
+
+/// The landmarks of the map that the corners match; others of the matches where a corner has none.
+void FastSearch::name_triangle(const Wanted& wanted, Candidate& candidate) const noexcept {
+  std::size_t named = 0;
+  const auto name = [&](const Match& match) {
+    const auto* const end = candidate.triangle.begin() + named;
+    if (named < 3 &&
+        std::find(candidate.triangle.begin(), candidate.triangle.begin() + named, match.map) == end) {
+      candidate.triangle[named++] = match.map;
+    }
+  };
+  for (const Match& match : candidate.matches) {
+    if (std::find(wanted.scan.begin(), wanted.scan.end(), match.scan) != wanted.scan.end()) {
+      name(match);
+    }
+  }
+  for (const Match& match : candidate.matches) {
+    name(match);
   }
 }
 
@@ -334,7 +564,7 @@ FastSearch::Tried& FastSearch::tried_at(const RigidMotion& move, MapSlot map) no
 }
 
 /// Keeps the best candidate of each place, by rank.
-void FastSearch::offer(const Candidate& candidate, Candidates& found) const noexcept {
+void FastSearch::offer(const Candidate& candidate, Candidates& found) noexcept {
   const auto is_same = [&](const Candidate& other) {
     return other.map == candidate.map &&
            moments_.displacement_m(other.pose_W, candidate.pose_W) <= config_.tolerance_m;
@@ -354,6 +584,9 @@ void FastSearch::offer(const Candidate& candidate, Candidates& found) const noex
   SLAMSENSOR_ASSERT(found.list.try_push_back(candidate));
   for (std::size_t i = found.list.size() - 1; i > 0 && found.list[i - 1].score < found.list[i].score; --i) {
     std::swap(found.list[i - 1], found.list[i]);
+  }
+  if (found.list.size() == kCandidatesMax) {
+    worth_ = found.list.back().score;
   }
 }
 

@@ -9,6 +9,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <span>
 
 namespace slamsensor::core {
 
@@ -20,16 +22,25 @@ using MapSlot = std::uint16_t;
 /// with their neighbours. It follows the maps: each change costs as much as the neighbourhood of the landmark
 /// that changed, never as much as the map. One thread; no allocation after construction.
 ///
-/// Triangles. A landmark is linked to its `index_neighbours` nearest (at least kSideMin tolerances away, at
-/// most kLinkRange_m). It is the apex of each triangle with two of them in which its own corner lies opposite
-/// the longest side, so that a triangle is listed once, however it is turned. Triangles lie in buckets by
-/// their longest and middle side; an entry carries all three sides to 1/64 m, so that nearly all are refused
-/// without a look at a landmark. Memory: a landmark takes 16 bytes of place, 44 of links and about 66 of
-/// triangles.
+/// Stars. A landmark is linked to its `index_neighbours` nearest (at least kSideMin tolerances away, at most
+/// kLinkRange_m). Its star is the list of where they stand relative to it, 4 bytes each: all that a search
+/// needs to turn a triangle into a pose and to refute that pose by the neighbours that are left, without a
+/// look at any other landmark.
+///
+/// Triangles. A landmark is the apex of each triangle with two of its star in which its own corner lies
+/// opposite the longest side, so that a triangle is listed once, however it is turned. An entry of 4 bytes
+/// names the apex and the pair, and holds the low bits of the three sides in eighths of the tolerance; their
+/// high bits and the turn choose the entry's bucket. Buckets hold about ten entries, whatever the size of the
+/// map, because their number grows with it; a tag of the bits that are left tells the triangles apart that
+/// share one.
+///
+/// Memory of a landmark: 16 bytes of place, 4 to 8 of cells, 24 of star and about 70 of triangles with 6
+/// neighbours; with 3 neighbours 12 of star and 15 of triangles.
 class LandmarkIndex {
  public:
   static constexpr std::uint32_t kNone = UINT32_MAX;
-  static constexpr std::uint32_t kNeighboursMax = 8;  ///< two of them are three bits each in an entry
+  static constexpr std::uint32_t kNeighboursMin = 3;
+  static constexpr std::uint32_t kNeighboursMax = 8;  ///< their 28 pairs are five bits in an entry
   static constexpr double kLinkRange_m = 40.0;        ///< longer sides are not linked
   static constexpr double kSideMin = 2.0;           ///< in tolerances: shorter sides say nothing of a heading
   static constexpr double kSideMinLargest_m = 2.0;  ///< however large the tolerance is
@@ -41,6 +52,23 @@ class LandmarkIndex {
     float shortest_m = 0.0F;  ///< from the apex to the third corner
   };
   enum class Turn : std::uint8_t { Clockwise, CounterClockwise, Either };
+
+  /// Where a neighbour stands relative to its landmark, in 1/kOffsetsPerM m. Both zero: no neighbour.
+  struct Offset {
+    std::int16_t x = 0;
+    std::int16_t y = 0;
+
+    [[nodiscard]] bool is_some() const noexcept { return x != 0 || y != 0; }
+    [[nodiscard]] float x_m() const noexcept { return static_cast<float>(x) * (1.0F / kOffsetsPerM); }
+    [[nodiscard]] float y_m() const noexcept { return static_cast<float>(y) * (1.0F / kOffsetsPerM); }
+  };
+  static constexpr float kOffsetsPerM = 512.0F;
+
+  /// Two neighbours of a star, by their places in it.
+  struct Pair {
+    std::uint8_t first = 0;
+    std::uint8_t second = 0;
+  };
 
   LandmarkIndex(Arena& arena, const AssociationConfig& config, const Capacities& capacities) noexcept;
 
@@ -62,53 +90,57 @@ class LandmarkIndex {
   template <typename Visit>
   void visit_within(MapSlot map, const Point2& p, double radius_m, Visit&& visit) const noexcept;
 
-  /// Calls `visit(apex, second, third)` for each listed triangle whose sides agree with `sides` within
-  /// `window_m` and that turns as asked (apex, second, third). Returns the number of entries that were looked
-  /// at.
-  template <typename Visit>
-  std::uint64_t visit_triangles(const Sides& sides, float window_m, Turn turn, Visit&& visit) const noexcept;
+  /// Calls `visit(apex, pair)` for each listed triangle whose sides agree with `sides` within `window_m` (and
+  /// an eighth of the tolerance) and that turns as asked (apex, the farther of the pair, the nearer), and
+  /// `more(entries)` after each run of entries, with their number. Ends when `more` returns false. Some of
+  /// what is visited may have other sides: the caller checks the star. Fetches the stars ahead of the visits.
+  template <typename Visit, typename More>
+  void visit_triangles(const Sides& sides, float window_m, Turn turn, Visit&& visit,
+                       More&& more) const noexcept;
 
-  /// How many entries `visit_triangles` would look at, to order the work.
-  [[nodiscard]] std::uint64_t triangle_entries(const Sides& sides, float window_m) const noexcept;
+  /// How many entries one bucket of the triangles with such sides holds, to order the work.
+  [[nodiscard]] std::uint32_t bucket_entries(const Sides& sides, bool is_counter_clockwise) const noexcept;
 
+  /// The neighbours of a landmark as they were linked.
+  [[nodiscard]] std::span<const Offset> star(std::uint32_t slot) const noexcept {
+    return {stars_.data() + std::size_t{slot} * neighbours_, neighbours_};
+  }
+  /// Where a landmark stands, to about 1e-4 m.
+  [[nodiscard]] Point2 place(std::uint32_t slot) const noexcept {
+    return {static_cast<double>(places_[slot].x_m), static_cast<double>(places_[slot].y_m)};
+  }
   [[nodiscard]] MapSlot map_of(std::uint32_t slot) const noexcept { return places_[slot].map; }
   [[nodiscard]] std::uint32_t size() const noexcept { return size_; }
   /// Shortest side that is linked, m.
   [[nodiscard]] double side_min_m() const noexcept { return side_min_m_; }
+  /// Triangles that are listed.
+  [[nodiscard]] std::uint64_t triangles() const noexcept { return triangles_; }
   /// Triangles that found no room since construction.
   [[nodiscard]] std::uint64_t triangles_dropped() const noexcept { return triangles_dropped_; }
 
  private:
   static constexpr double kCellSide_m = 4.0;
-  static constexpr float kBucketsPerM = 2.0F;
-  static constexpr std::uint32_t kBucketRows = 161;  // sides up to 80 m: twice the link range
-  static constexpr float kFinePerM = 64.0F;
-  static constexpr std::uint32_t kChunkEntries = 15;
+  static constexpr std::uint32_t kChunkEntries = 7;
 
   struct Place {
     float x_m;
     float y_m;
     std::uint32_t next;  // in the chain of its cell's hash
-    MapSlot map;
-    std::uint16_t is_listed;
+    std::uint8_t map;
+    std::uint8_t is_listed;
+    std::uint8_t linked_x;  // where it stood when its star was made, in steps, modulo 256
+    std::uint8_t linked_y;
   };
-  struct Links {
-    float x_m;  // where the landmark stood when its triangles were listed
-    float y_m;
-    std::uint32_t count;
-    std::array<std::uint32_t, kNeighboursMax> neighbours;
-  };
-  /// sides: 13 bits of the longest, 13 of the middle, 12 of the shortest (within 64 m), 1/64 m; 6 bits of the
-  /// pair; 1 of the turn. Together with the apex 77 bits: the two larger ones are stored relative to their
-  /// bucket.
-  struct Entry {
-    std::uint32_t apex;
-    std::uint32_t packed;
-  };
+  using Entry = std::uint32_t;  // from the top: apex, pair, tag, low bits of longest, middle and shortest
   struct Chunk {
-    std::uint32_t next;
-    std::uint32_t count;
-    std::array<Entry, kChunkEntries> entries;
+    std::array<Entry, kChunkEntries + 1> words;  // the last one is the number of the next chunk
+
+    [[nodiscard]] std::uint32_t next() const noexcept { return words[kChunkEntries]; }
+    void set_next(std::uint32_t chunk) noexcept { words[kChunkEntries] = chunk; }
+  };
+  struct Bucket {
+    std::uint32_t head = kNone;  // the chunk that is not full
+    std::uint32_t count = 0;     // entries in all its chunks
   };
   struct Found {
     std::uint32_t slot;
@@ -117,69 +149,146 @@ class LandmarkIndex {
   /// A triangle between its landmarks and its entry.
   struct Shape {
     std::uint32_t bucket;
-    std::uint32_t packed;
+    Entry entry;
+  };
+  /// The sides of a triangle in eighths of the tolerance.
+  struct Units {
+    std::uint32_t longest;
+    std::uint32_t middle;
+    std::uint32_t shortest;
+  };
+  /// A side's range, of units.
+  struct Range {
+    std::uint32_t low;
+    std::uint32_t high;
   };
 
-  static constexpr std::uint32_t kFinePerBucket = static_cast<std::uint32_t>(kFinePerM / kBucketsPerM);
+  struct Within {
+    std::int32_t low;
+    std::int32_t high;
+  };
+  /// What the entries of a bucket are held against.
+  struct Asked {
+    std::int32_t tag;
+    Within longest;
+    Within middle;
+    Within shortest;
+  };
 
-  [[nodiscard]] std::size_t cell_of(MapSlot map, std::int64_t column, std::int64_t row) const noexcept {
-    std::uint64_t h = static_cast<std::uint64_t>(column) * 0x9E3779B97F4A7C15U;
-    h ^= static_cast<std::uint64_t>(row) * 0xC2B2AE3D27D4EB4FU;
-    h ^= static_cast<std::uint64_t>(map) * 0x165667B19E3779F9U;
-    h ^= h >> 29U;
-    return static_cast<std::size_t>((h * 0xBF58476D1CE4E5B9U) >> cell_shift_);
+  /// Where an entry has its fields.
+  struct Layout {
+    int tag_shift;
+    int longest_shift;
+    int middle_shift;
+    std::int32_t tag_mask;
+    std::int32_t low_mask;
+  };
+  static constexpr std::size_t kLanes = 4;
+  using Lanes [[gnu::vector_size(kLanes * sizeof(std::int32_t))]] = std::int32_t;
+  using Refused = std::array<std::int32_t, kChunkEntries + 1>;
+
+  [[nodiscard]] static std::int32_t floor_of(double v) noexcept {
+    const auto whole = static_cast<std::int32_t>(v);
+    return whole - (v < static_cast<double>(whole) ? 1 : 0);
   }
-  [[nodiscard]] static std::int64_t cell_floor(double v_m) noexcept {
-    return static_cast<std::int64_t>(std::floor(v_m * (1.0 / kCellSide_m)));
+  [[nodiscard]] static std::int32_t cell_floor(double v_m) noexcept {
+    return floor_of(v_m * (1.0 / kCellSide_m));
   }
-  [[nodiscard]] static std::int64_t cell_floor(float v_m) noexcept {
+  [[nodiscard]] static std::int32_t cell_floor(float v_m) noexcept {
     return cell_floor(static_cast<double>(v_m));
   }
-  [[nodiscard]] static std::uint32_t bucket_at(std::uint32_t longest, std::uint32_t middle) noexcept {
-    return longest * (longest + 1) / 2 + middle;
+  [[nodiscard]] std::size_t cell_of(MapSlot map, std::int32_t column, std::int32_t row) const noexcept {
+    const std::uint64_t key = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(column)) << 32U) ^
+                              static_cast<std::uint32_t>(row) ^ (static_cast<std::uint64_t>(map) << 24U);
+    const std::uint64_t h = key * 0x9E3779B97F4A7C15U;
+    return static_cast<std::size_t>(((h ^ (h >> 32U)) * 0xBF58476D1CE4E5B9U) >> cell_shift_);
+  }
+  /// The bucket of the first of a row of cells, which differ in the shortest side.
+  [[nodiscard]] std::uint32_t row_of(std::uint32_t longest_cell, std::uint32_t middle_cell,
+                                     std::uint32_t turn) const noexcept {
+    std::uint32_t h = longest_cell * 0x9E3779B1U + middle_cell * 0x85EBCA77U + turn * 0xC2B2AE3DU;
+    h = (h ^ (h >> 15U)) * 0x2C1B3C6DU;
+    return h ^ (h >> 13U);
+  }
+  [[nodiscard]] std::uint32_t bucket_of(std::uint32_t row, std::uint32_t shortest_cell) const noexcept {
+    return (row + shortest_cell) & bucket_mask_;
   }
 
+  [[nodiscard]] std::int32_t tag_of(std::uint32_t row) const noexcept {
+    return static_cast<std::int32_t>((row >> 20U) & tag_mask_);
+  }
+  /// The part of a range that lies in a cell, from the cell's beginning on.
+  [[nodiscard]] Within within(const Range& range, std::uint32_t cell) const noexcept {
+    const auto begin = static_cast<std::int32_t>(cell << low_bits_);
+    return {static_cast<std::int32_t>(range.low) - begin, static_cast<std::int32_t>(range.high) - begin};
+  }
+  template <typename Visit, typename More>
+  [[nodiscard]] bool visit_bucket(const Bucket& bucket, const Asked asked, Visit&& visit,
+                                  More&& more) const noexcept;
+  [[nodiscard]] static Refused refuse(const Chunk& chunk, const Asked& asked, const Layout& layout) noexcept;
   void put_in_cell(std::uint32_t slot) noexcept;
   void take_from_cell(std::uint32_t slot) noexcept;
-  void link(std::uint32_t slot) noexcept;
-  void find_neighbours(std::uint32_t slot) noexcept;
-  void offer_neighbour(std::uint32_t to, std::uint32_t slot) noexcept;
+  void note_linked(Place& place) const noexcept;
+  [[nodiscard]] bool has_moved(const Place& place) const noexcept;
+  void make_star(std::uint32_t slot) noexcept;
+  void drop_star(std::uint32_t slot) noexcept;
+  void find_neighbours(std::uint32_t slot, std::array<Found, kNeighboursMax>& best,
+                       std::uint32_t& count) const noexcept;
+  [[nodiscard]] Offset offset_between(std::uint32_t from, std::uint32_t to) const noexcept;
+  [[nodiscard]] std::uint32_t ray_to(std::uint32_t from, std::uint32_t to) const noexcept;
+  void offer_to_others(std::uint32_t slot) noexcept;
+  void offer(std::uint32_t to, std::uint32_t slot) noexcept;
+  void refresh_others(std::uint32_t slot) noexcept;
   void unlink_from_others(std::uint32_t slot) noexcept;
-  void list_triangles(std::uint32_t slot) noexcept;
-  void unlist_triangles(std::uint32_t slot) noexcept;
+  void set_ray(std::uint32_t slot, std::uint32_t ray, Offset offset) noexcept;
   [[nodiscard]] bool shape_of(std::uint32_t apex, std::uint32_t i, std::uint32_t j,
                               Shape& shape) const noexcept;
-  void add_entry(const Shape& shape, std::uint32_t apex) noexcept;
-  void remove_entry(const Shape& shape, std::uint32_t apex) noexcept;
+  void add_entry(const Shape& shape) noexcept;
+  void remove_entry(const Shape& shape) noexcept;
   [[nodiscard]] float distance2(std::uint32_t a, std::uint32_t b) const noexcept;
+  [[nodiscard]] std::span<Offset> star_at(std::uint32_t slot) noexcept {
+    return {stars_.data() + std::size_t{slot} * neighbours_, neighbours_};
+  }
+  [[nodiscard]] Range range_of(float side_m, float window_m) const noexcept {
+    return {static_cast<std::uint32_t>(std::max(0.0F, side_m - window_m) * units_per_m_),
+            static_cast<std::uint32_t>((side_m + window_m) * units_per_m_)};
+  }
 
-  std::uint32_t neighbours_max_;
+  std::uint32_t neighbours_;
   double side_min_m_;
   double relink_move_m_;
+  float units_per_m_;
+  std::uint32_t pair_shift_;  // of an entry
+  std::uint32_t apex_shift_;
+  std::uint32_t low_bits_;  // of each side in an entry
+  std::uint32_t tag_mask_;  // of an entry: what bits are left tell rows of cells apart that share a bucket
   std::uint32_t cell_shift_;
+  std::uint32_t bucket_mask_;
   BoundedVector<std::uint32_t> cells_;  // heads of chains
   BoundedVector<Place> places_;
-  BoundedVector<Links> links_;
-  BoundedVector<std::uint32_t> buckets_;  // heads of chunk lists
+  BoundedVector<Offset> stars_;
+  BoundedVector<Bucket> buckets_;
   BoundedVector<Chunk> chunks_;
   std::uint32_t free_chunks_ = kNone;
   std::uint32_t chunks_used_ = 0;
   std::uint32_t size_ = 0;
+  std::uint64_t triangles_ = 0;
   std::uint64_t triangles_dropped_ = 0;
 };
 
 template <typename Visit>
 void LandmarkIndex::visit_within(MapSlot map, const Point2& p, double radius_m,
                                  Visit&& visit) const noexcept {
-  const std::int64_t column_end = cell_floor(p.x() + radius_m);
-  const std::int64_t row_end = cell_floor(p.y() + radius_m);
+  const std::int32_t column_first = cell_floor(p.x() - radius_m);
+  const std::int32_t column_end = cell_floor(p.x() + radius_m);
+  const std::int32_t row_end = cell_floor(p.y() + radius_m);
   const double radius2 = radius_m * radius_m;
   const auto x_m = static_cast<float>(p.x());
   const auto y_m = static_cast<float>(p.y());
   const Place* const places = places_.data();
   const std::uint32_t* const cells = cells_.data();
-  for (std::int64_t row = cell_floor(p.y() - radius_m); row <= row_end; ++row) {
-    for (std::int64_t column = cell_floor(p.x() - radius_m); column <= column_end; ++column) {
+  for (std::int32_t row = cell_floor(p.y() - radius_m); row <= row_end; ++row) {
+    for (std::int32_t column = column_first; column <= column_end; ++column) {
       for (std::uint32_t slot = cells[cell_of(map, column, row)]; slot != kNone; slot = places[slot].next) {
         const Place& place = places[slot];
         const float dx = place.x_m - x_m;
@@ -194,49 +303,98 @@ void LandmarkIndex::visit_within(MapSlot map, const Point2& p, double radius_m,
   }
 }
 
-template <typename Visit>
-std::uint64_t LandmarkIndex::visit_triangles(const Sides& sides, float window_m, Turn turn,
-                                             Visit&& visit) const noexcept {
-  std::uint64_t looked_at = 0;
-  const auto low = [&](float side_m) { return std::max(0.0F, side_m - window_m); };
-  const auto row_of = [](float side_m) {
-    return std::min(static_cast<std::uint32_t>(side_m * kBucketsPerM), kBucketRows - 1);
-  };
-  const auto fine = [](float side_m) { return static_cast<std::int32_t>(side_m * kFinePerM); };
-  const std::int32_t longest_low = fine(low(sides.longest_m));
-  const std::int32_t longest_high = fine(sides.longest_m + window_m);
-  const std::int32_t middle_low = fine(low(sides.middle_m));
-  const std::int32_t middle_high = fine(sides.middle_m + window_m);
-  const std::int32_t shortest_low = fine(low(sides.shortest_m));
-  const std::int32_t shortest_high = fine(sides.shortest_m + window_m);
-  const std::uint32_t row_last = row_of(sides.longest_m + window_m);
-  for (std::uint32_t row = row_of(low(sides.longest_m)); row <= row_last; ++row) {
-    const std::uint32_t column_last = std::min(row, row_of(sides.middle_m + window_m));
-    for (std::uint32_t column = row_of(low(sides.middle_m)); column <= column_last; ++column) {
-      for (std::uint32_t c = buckets_[bucket_at(row, column)]; c != kNone; c = chunks_[c].next) {
-        const Chunk& chunk = chunks_[c];
-        looked_at += chunk.count;
-        for (std::uint32_t i = 0; i < chunk.count; ++i) {
-          const std::uint32_t packed = chunk.entries[i].packed;
-          const auto shortest = static_cast<std::int32_t>(packed >> 20U);
-          const auto longest = static_cast<std::int32_t>(row * kFinePerBucket + ((packed >> 15U) & 31U));
-          const auto middle = static_cast<std::int32_t>(column * kFinePerBucket + ((packed >> 10U) & 31U));
-          if (shortest < shortest_low || shortest > shortest_high || longest < longest_low ||
-              longest > longest_high || middle < middle_low || middle > middle_high) {
-            continue;
+namespace index_detail {
+
+/// Pairs (i, j), i < j, by the number j (j - 1) / 2 + i.
+inline constexpr auto kPairs = [] {
+  std::array<LandmarkIndex::Pair, 32> pairs{};
+  for (std::size_t j = 1; j < LandmarkIndex::kNeighboursMax; ++j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      pairs[j * (j - 1) / 2 + i] = {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j)};
+    }
+  }
+  return pairs;
+}();
+
+}  // namespace index_detail
+
+template <typename Visit, typename More>
+void LandmarkIndex::visit_triangles(const Sides& sides, float window_m, Turn turn, Visit&& visit,
+                                    More&& more) const noexcept {
+  const Range longest = range_of(sides.longest_m, window_m);
+  const Range middle = range_of(sides.middle_m, window_m);
+  const Range shortest = range_of(sides.shortest_m, window_m);
+  const std::uint32_t low = low_bits_;
+  const std::uint32_t turn_first = turn == Turn::CounterClockwise ? 1U : 0U;
+  const std::uint32_t turn_last = turn == Turn::Clockwise ? 0U : 1U;
+  for (std::uint32_t l = longest.low >> low; l <= longest.high >> low; ++l) {
+    for (std::uint32_t m = middle.low >> low; m <= std::min(l, middle.high >> low); ++m) {
+      for (std::uint32_t t = turn_first; t <= turn_last; ++t) {
+        const std::uint32_t row = row_of(l, m, t);
+        for (std::uint32_t s = shortest.low >> low; s <= std::min(m, shortest.high >> low); ++s) {
+          const Asked asked{tag_of(row), within(longest, l), within(middle, m), within(shortest, s)};
+          if (!visit_bucket(buckets_.data()[bucket_of(row, s)], asked, visit, more)) {
+            return;
           }
-          const Turn has = (packed & 1U) != 0 ? Turn::CounterClockwise : Turn::Clockwise;
-          if (turn != Turn::Either && turn != has) {
-            continue;
-          }
-          const std::uint32_t apex = chunk.entries[i].apex;
-          const Links& links = links_[apex];
-          visit(apex, links.neighbours[(packed >> 4U) & 7U], links.neighbours[(packed >> 1U) & 7U]);
         }
       }
     }
   }
-  return looked_at;
+}
+
+/// False when the visitor wants no more.
+template <typename Visit, typename More>
+bool LandmarkIndex::visit_bucket(const Bucket& bucket, const Asked asked, Visit&& visit,
+                                 More&& more) const noexcept {
+  const Chunk* const chunks = chunks_.data();
+  const Entry pair_mask = (Entry{1} << (apex_shift_ - pair_shift_)) - 1U;
+  std::array<Entry, kChunkEntries + 1> kept;  // NOLINT: what is read is written before
+  const Layout layout{static_cast<int>(3U * low_bits_), static_cast<int>(2U * low_bits_),
+                      static_cast<int>(low_bits_), static_cast<std::int32_t>(tag_mask_),
+                      static_cast<std::int32_t>((1U << low_bits_) - 1U)};
+  std::uint32_t left = bucket.count;
+  for (std::uint32_t c = bucket.head; left > 0; c = chunks[c].next()) {
+    const Chunk& chunk = chunks[c];
+    // The head's chunk holds what is left over when the others are full.
+    const std::uint32_t count = (left - 1) % kChunkEntries + 1;
+    left -= count;
+    __builtin_prefetch(&chunks[left > 0 ? chunk.next() : 0]);
+    const Refused refused = refuse(chunk, asked, layout);
+    std::uint32_t found = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      kept[found] = chunk.words[i];
+      found += refused[i] >= 0 ? 1U : 0U;
+    }
+    for (std::uint32_t i = 0; i < found; ++i) {
+      __builtin_prefetch(stars_.data() + std::size_t{kept[i] >> apex_shift_} * neighbours_);
+    }
+    for (std::uint32_t i = 0; i < found; ++i) {
+      visit(kept[i] >> apex_shift_, index_detail::kPairs[(kept[i] >> pair_shift_) & pair_mask]);
+    }
+    if (!more(count)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Negative for each entry that is out of a range or of another row of cells; four at once.
+inline LandmarkIndex::Refused LandmarkIndex::refuse(const Chunk& chunk, const Asked& asked,
+                                                    const Layout& layout) noexcept {
+  Refused refused;  // NOLINT: written next
+  for (std::size_t i = 0; i < refused.size(); i += kLanes) {
+    Lanes entry;  // NOLINT: the same
+    std::memcpy(&entry, &chunk.words[i], sizeof(entry));
+    const Lanes tag = (entry >> layout.tag_shift) & layout.tag_mask;
+    const Lanes l = (entry >> layout.longest_shift) & layout.low_mask;
+    const Lanes m = (entry >> layout.middle_shift) & layout.low_mask;
+    const Lanes s = entry & layout.low_mask;
+    const Lanes out = -(tag ^ asked.tag) | (l - asked.longest.low) | (asked.longest.high - l) |
+                      (m - asked.middle.low) | (asked.middle.high - m) | (s - asked.shortest.low) |
+                      (asked.shortest.high - s);
+    std::memcpy(&refused[i], &out, sizeof(out));
+  }
+  return refused;
 }
 
 }  // namespace slamsensor::core

@@ -126,9 +126,45 @@ std::vector<std::uint32_t> neighbours(const Mirrored& m, std::uint32_t slot) {
   return slots;
 }
 
+/// The landmark that a ray of the star of `apex` leads to.
+std::uint32_t corner(Mirrored& m, std::uint32_t apex, std::uint32_t ray) {
+  const LandmarkIndex::Offset offset = m.index->star(apex)[ray];
+  const Point2 there =
+      m.listed[apex]->second + Point2(static_cast<double>(offset.x_m()), static_cast<double>(offset.y_m()));
+  std::uint32_t nearest = kSlots;
+  double nearest_m = 4.0 * m.config.tolerance_m;
+  for (std::uint32_t slot = 0; slot < kSlots; ++slot) {
+    const bool is_there = m.listed[slot] && m.listed[slot]->first == m.listed[apex]->first;
+    if (is_there && (m.listed[slot]->second - there).norm() < nearest_m) {
+      nearest_m = (m.listed[slot]->second - there).norm();
+      nearest = slot;
+    }
+  }
+  return nearest;
+}
+
+/// Whether the index shows the triangle of three landmarks that turns so.
+bool shows(Mirrored& m, const LandmarkIndex::Sides& sides, LandmarkIndex::Turn turn,
+           const std::array<std::uint32_t, 3>& triangle) {
+  bool is_found = false;
+  m.index->visit_triangles(
+      sides, 0.55F, turn,
+      [&](std::uint32_t apex, LandmarkIndex::Pair pair) {
+        if (apex == triangle[0]) {
+          const std::uint32_t a = corner(m, apex, pair.first);
+          const std::uint32_t b = corner(m, apex, pair.second);
+          is_found =
+              is_found || (a == triangle[1] && b == triangle[2]) || (a == triangle[2] && b == triangle[1]);
+        }
+      },
+      [](std::uint32_t) { return true; });
+  return is_found;
+}
+
 struct Found {
   int asked = 0;
   int found = 0;
+  int turned_over = 0;
 };
 
 /// Asks for each triangle of each landmark with two of its nearest neighbours as a scan would show it.
@@ -152,20 +188,12 @@ Found ask_for_triangles(Mirrored& m, Draw& draw) {
           continue;  // another corner is the apex, or which corner comes second is a matter of rounding
         }
         const double turn = (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
-        bool is_found = false;
-        int turned_over = 0;
-        m.index->visit_triangles(
-            sides, 0.3F + 0.25F,
-            turn > 0.0 ? LandmarkIndex::Turn::CounterClockwise : LandmarkIndex::Turn::Clockwise,
-            [&](std::uint32_t apex, std::uint32_t second, std::uint32_t third) {
-              is_found = is_found || (apex == slot && second == near[j] && third == near[i]);
-            });
-        m.index->visit_triangles(
-            sides, 0.55F, turn > 0.0 ? LandmarkIndex::Turn::Clockwise : LandmarkIndex::Turn::CounterClockwise,
-            [&](std::uint32_t apex, std::uint32_t second, std::uint32_t third) {
-              turned_over += apex == slot && second == near[j] && third == near[i] ? 1 : 0;
-            });
-        EXPECT_TRUE(turned_over == 0 || std::abs(turn) < 0.5 * (b - c).norm());
+        const bool is_left = turn > 0.0;
+        using Turn = LandmarkIndex::Turn;
+        const std::array<std::uint32_t, 3> triangle{slot, near[j], near[i]};
+        const bool is_found = shows(m, sides, is_left ? Turn::CounterClockwise : Turn::Clockwise, triangle);
+        const bool is_turned = shows(m, sides, is_left ? Turn::Clockwise : Turn::CounterClockwise, triangle);
+        result.turned_over += is_turned && std::abs(turn) >= 0.5 * (b - c).norm() ? 1 : 0;
         ++result.asked;
         result.found += is_found ? 1 : 0;
       }
@@ -191,12 +219,10 @@ TEST(LandmarkIndex, CongruentTrianglesAreFound) {
     // A landmark that stands far from all others may not learn of a newer neighbour.
     EXPECT_GE(fresh.found, fresh.asked * 0.99);
     EXPECT_GE(changed.found, changed.asked * 0.97);
+    // Of two triangles that share a bucket and a tag each is shown for the other: the caller checks.
+    EXPECT_LE(fresh.turned_over, fresh.asked / 200);
+    EXPECT_LE(changed.turned_over, changed.asked / 200);
   }
-}
-
-std::uint64_t entries(const LandmarkIndex& index) {
-  return index.visit_triangles({40.0F, 40.0F, 40.0F}, 100.0F, LandmarkIndex::Turn::Either,
-                               [](std::uint32_t, std::uint32_t, std::uint32_t) {});
 }
 
 TEST(LandmarkIndex, WhatIsErasedLeavesNoTriangleAndItsMemoryIsUsedAgain) {
@@ -212,9 +238,73 @@ TEST(LandmarkIndex, WhatIsErasedLeavesNoTriangleAndItsMemoryIsUsedAgain) {
       }
     }
     ASSERT_EQ(m.index->size(), 0U);
-    ASSERT_EQ(entries(*m.index), 0U) << "round " << round;
+    ASSERT_EQ(m.index->triangles(), 0U) << "round " << round;
   }
   EXPECT_EQ(m.index->triangles_dropped(), 0U);
+}
+
+// Whatever was changed before, the stars are those of an index that was filled at once, but for what moves
+// below the threshold leave behind.
+TEST(LandmarkIndex, StarsFollowTheChanges) {
+  for (std::uint64_t seed = 11; seed < 14; ++seed) {
+    Draw draw(seed);
+    Mirrored m;
+    for (int i = 0; i < 5'000; ++i) {
+      m.change(draw, 60.0);
+    }
+    int linked = 0;
+    int expected = 0;
+    for (std::uint32_t slot = 0; slot < kSlots; ++slot) {
+      if (!m.listed[slot]) {
+        continue;
+      }
+      const auto near = neighbours(m, slot);
+      for (const std::uint32_t other : near) {
+        bool is_linked = false;
+        for (std::uint32_t ray = 0; ray < m.config.index_neighbours; ++ray) {
+          is_linked = is_linked || (m.index->star(slot)[ray].is_some() && corner(m, slot, ray) == other);
+        }
+        linked += is_linked ? 1 : 0;
+        ++expected;
+      }
+    }
+    ASSERT_GT(expected, 500);
+    EXPECT_GE(linked, 0.97 * expected);
+  }
+}
+
+std::size_t bytes_per_landmark(std::uint32_t landmarks, std::uint32_t neighbours) {
+  AssociationConfig config;
+  config.index_neighbours = neighbours;
+  Capacities capacities;
+  capacities.map_landmarks = landmarks;
+  Arena measuring;
+  const LandmarkIndex index(measuring, config, capacities);
+  return (measuring.bytes_used() + landmarks - 1) / landmarks;
+}
+
+TEST(LandmarkIndex, ALandmarkTakesAtMost128BytesAnd64WithThreeNeighbours) {
+  for (const std::uint32_t landmarks : {1'000U, 5'000U, 10'000U, 50'000U, 100'000U, 600'000U, 1'000'000U}) {
+    EXPECT_LE(bytes_per_landmark(landmarks, AssociationConfig{}.index_neighbours), 128U) << landmarks;
+    EXPECT_LE(bytes_per_landmark(landmarks, LandmarkIndex::kNeighboursMin), 64U) << landmarks;
+  }
+}
+
+// Room is planned from the mean: rows and crowds, whose triangles fall into few buckets, have to fit as well.
+TEST(LandmarkIndex, AFullMapOfRowsOrCrowdsFindsRoomForItsTriangles) {
+  for (const double jitter_m : {0.0, 0.3}) {
+    for (const bool is_crowd : {false, true}) {
+      Draw draw(17);
+      Mirrored m;
+      for (std::uint32_t slot = 0; slot < kSlots; ++slot) {
+        const Point2 row{3.0 * (slot % 15), 5.0 * (slot / 15)};
+        const Point2 crowd{40.0 * (slot / 12) + draw.normal(4.0), draw.normal(4.0)};
+        m.insert(slot, 0, (is_crowd ? crowd : row) + Point2(draw.normal(jitter_m), draw.normal(jitter_m)));
+      }
+      EXPECT_EQ(m.index->triangles_dropped(), 0U) << jitter_m << is_crowd;
+      EXPECT_GT(m.index->triangles(), 4U * kSlots);
+    }
+  }
 }
 
 // Landmarks at the end of the range of links that moved a little since they were linked.
@@ -233,7 +323,7 @@ TEST(LandmarkIndex, NoLinkOutlivesItsLandmark) {
     for (const std::uint32_t slot : {2U, 0U, 1U}) {
       m.erase(slot);
     }
-    ASSERT_EQ(entries(*m.index), 0U);
+    ASSERT_EQ(m.index->triangles(), 0U);
   }
 }
 
