@@ -11,18 +11,19 @@ namespace {
 // Costs in about nanoseconds, to know when to look at the clock and when enough has been done.
 constexpr std::uint64_t kWorkPerEntry = 2;
 constexpr std::uint64_t kWorkPerQuery = 200;
-constexpr std::uint64_t kWorkPerStar = 12;
-constexpr std::uint64_t kWorkPerLookUp = 30;
-constexpr std::uint64_t kWorkPerMatch = 60;  // per landmark of the scan and round
+constexpr std::uint64_t kWorkPerStar = 20;
+constexpr std::uint64_t kWorkPerLookUp = 40;
+constexpr std::uint64_t kWorkPerMatch = 120;  // per landmark of the scan and round
 constexpr std::uint64_t kWorkPerDeadlineLook = 50'000;
 
 // With a clear leader a rival elsewhere would have shown by now: it shares a fifth of the leader's triangles
 // or more, so that each of these tries has that chance to meet it.
 constexpr std::uint64_t kTrianglesEnough = 24;
-constexpr std::uint64_t kTrianglesContested = 120;
+constexpr std::uint64_t kTrianglesContested = 160;
 constexpr double kContestedShare = 0.5;
-constexpr std::uint64_t kWorkEnough = 20'000;
-constexpr double kClearLead = 12.0;    // nats above what chance reaches
+constexpr std::uint64_t kWorkEnough = 30'000;
+constexpr double kLead = 20.0;         // nats of a leader ...
+constexpr double kLeadMargin = 12.0;   // ... and above what chance reaches
 constexpr double kChanceMargin = 5.0;  // nats below what chance reaches, from which on candidates are kept
 
 constexpr std::uint32_t kWitnesses = 2;  // neighbours of a triangle that the scan has to show, too
@@ -119,11 +120,17 @@ void FastSearch::search(std::span<const Point2> scan, const LandmarkIndex& index
   }
   has_neighbourhood_.fill(false);
   mask_.draw(scan, kLooseGate * config_.tolerance_m);
-  asks_witnesses_ = true;
+  plan_all();
+  witnesses_ = kWitnesses;
   window_m_ = std::min(config_.tolerance_m, kWindowSigmas * std::numbers::sqrt2 * model_.sigma_m);
-  if (!try_cheapest(found)) {  // a poor scan, or a place that is not in the map
-    asks_witnesses_ = false;
+  bool is_done = try_plans(found);
+  if (!is_done) {  // a poor scan, a place that is not in the map, or a world that repeats itself
+    witnesses_ = 1;
     window_m_ = config_.tolerance_m;
+    is_done = try_plans(found);
+  }
+  if (!is_done) {
+    witnesses_ = 0;
     static_cast<void>(try_all(found));
   }
   while (found.list.size() > 1 && found.list.back().score < chance_ - kChanceMargin) {
@@ -132,18 +139,18 @@ void FastSearch::search(std::span<const Point2> scan, const LandmarkIndex& index
 }
 
 bool FastSearch::has_lead(const Candidates& found) const noexcept {
-  return !found.list.empty() && found.list[0].score >= chance_ + kClearLead;
+  return !found.list.empty() && found.list[0].score >= std::max(kLead, chance_ + kLeadMargin);
 }
 
-/// Whether another place comes near the leader: the world repeats itself, and what leads now need not lead in
-/// the end.
-bool FastSearch::is_contested(const Candidates& found) noexcept {
-  return found.list.size() > 1 && found.list[1].score > kContestedShare * found.list[0].score;
+/// Whether another place comes near the leader, and not by chance: the world repeats itself, and what leads
+/// now need not lead in the end.
+bool FastSearch::is_contested(const Candidates& found) const noexcept {
+  return found.list.size() > 1 &&
+         found.list[1].score > std::max(chance_, kContestedShare * found.list[0].score);
 }
 
-/// Tries the triangles of near neighbours, those first that are most likely in the index for their price.
-/// True when the search is over.
-bool FastSearch::try_cheapest(Candidates& found) noexcept {
+/// Lists the triangles of near neighbours, those first that are most likely in the index for their price.
+void FastSearch::plan_all() noexcept {
   static constexpr auto kPairs = pairs_by_rank<kPlannedNeighbours>();
   plans_.clear();
   const auto apexes =
@@ -160,6 +167,10 @@ bool FastSearch::try_cheapest(Candidates& found) noexcept {
     }
   }
   std::sort(plans_.begin(), plans_.end(), [](const Plan& a, const Plan& b) { return a.cost < b.cost; });
+}
+
+/// True when the search is over.
+bool FastSearch::try_plans(Candidates& found) noexcept {
   for (const Plan& planned : plans_) {
     if (try_pair(planned.apex, planned.i, planned.j, found)) {
       return true;
@@ -358,7 +369,7 @@ bool FastSearch::is_witnessed(const Wanted& wanted, std::span<const LandmarkInde
   turned.sine = across * scale;
   const float base_x = wanted.apex_x_m + turned.middle_scan_x_m;
   const float base_y = wanted.apex_y_m + turned.middle_scan_y_m;
-  if (!asks_witnesses_) {
+  if (witnesses_ == 0) {
     return true;
   }
   std::uint32_t left = 0;
@@ -375,7 +386,7 @@ bool FastSearch::is_witnessed(const Wanted& wanted, std::span<const LandmarkInde
                 ? 1U
                 : 0U;
   }
-  return seen >= std::min(kWitnesses, left);
+  return seen >= std::min(witnesses_, left);
 }
 
 void FastSearch::try_pose(const Wanted& wanted, const Turned& turned, std::uint32_t apex,
@@ -395,7 +406,7 @@ void FastSearch::try_pose(const Wanted& wanted, const Turned& turned, std::uint3
     return;
   }
   ++found.poses_tried;
-  if (!asks_witnesses_ && !is_confirmed(move, map, wanted)) {
+  if (witnesses_ == 0 && !is_confirmed(move, map, wanted)) {
     ++tried.failures;
     return;
   }

@@ -117,10 +117,11 @@ class FastSearch {
     std::uint32_t failures = 0;
   };
 
-  [[nodiscard]] bool try_cheapest(Candidates& found) noexcept;
+  void plan_all() noexcept;
+  [[nodiscard]] bool try_plans(Candidates& found) noexcept;
   [[nodiscard]] bool try_all(Candidates& found) noexcept;
   [[nodiscard]] bool has_lead(const Candidates& found) const noexcept;
-  [[nodiscard]] static bool is_contested(const Candidates& found) noexcept;
+  [[nodiscard]] bool is_contested(const Candidates& found) const noexcept;
   void find_neighbourhood(std::uint32_t apex) noexcept;
   [[nodiscard]] std::optional<Plan> plan(std::uint32_t apex, std::uint32_t i, std::uint32_t j) const noexcept;
   [[nodiscard]] bool try_pair(std::uint32_t apex, std::uint32_t i, std::uint32_t j,
@@ -165,8 +166,9 @@ class FastSearch {
   double per_match_ = 0.0;  // nats that a match says at a distance of nought
   double chance_ = 0.0;     // nats that chance reaches somewhere in maps of this size
   double worth_ = 0.0;      // nats below which a pose is not worth refining: too many better ones are known
-  bool asks_witnesses_ = true;   // beside the corners; else the map is asked for the scan's neighbours
-  std::uint64_t work_ = 0;       // in about nanoseconds
+  std::uint32_t witnesses_ =
+      0;                    // that a triangle has to have beside its corners; 0: the map is asked instead
+  std::uint64_t work_ = 0;  // in about nanoseconds
   std::uint64_t looked_at_ = 0;  // work at the last look at the deadline
 };
 

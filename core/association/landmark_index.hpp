@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <utility>
 
 namespace slamsensor::core {
 
@@ -167,14 +168,23 @@ class LandmarkIndex {
     std::int32_t low;
     std::int32_t high;
   };
-  /// What the entries of a bucket are held against.
+  /// A bucket, and what its entries are held against.
   struct Asked {
+    std::uint32_t head;
+    std::uint32_t count;
     std::int32_t tag;
     Within longest;
     Within middle;
     Within shortest;
   };
-
+  static constexpr std::uint32_t kBatch = 16;
+  static constexpr std::uint32_t kKept = 64;
+  /// Buckets that are looked through together, and the entries of them that agree.
+  struct Batch {
+    std::uint32_t buckets = 0;
+    std::array<Asked, kBatch> asked;  // NOLINT: what is read is written before
+    std::array<Entry, kKept> kept;    // NOLINT: the same
+  };
   /// Where an entry has its fields.
   struct Layout {
     int tag_shift;
@@ -222,9 +232,12 @@ class LandmarkIndex {
     const auto begin = static_cast<std::int32_t>(cell << low_bits_);
     return {static_cast<std::int32_t>(range.low) - begin, static_cast<std::int32_t>(range.high) - begin};
   }
+  [[nodiscard]] Layout layout() const noexcept {
+    return {static_cast<int>(3U * low_bits_), static_cast<int>(2U * low_bits_), static_cast<int>(low_bits_),
+            static_cast<std::int32_t>(tag_mask_), static_cast<std::int32_t>((1U << low_bits_) - 1U)};
+  }
   template <typename Visit, typename More>
-  [[nodiscard]] bool visit_bucket(const Bucket& bucket, const Asked asked, Visit&& visit,
-                                  More&& more) const noexcept;
+  [[nodiscard]] bool visit_batch(Batch& batch, Visit&& visit, More&& more) const noexcept;
   [[nodiscard]] static Refused refuse(const Chunk& chunk, const Asked& asked, const Layout& layout) noexcept;
   void put_in_cell(std::uint32_t slot) noexcept;
   void take_from_cell(std::uint32_t slot) noexcept;
@@ -327,55 +340,70 @@ void LandmarkIndex::visit_triangles(const Sides& sides, float window_m, Turn tur
   const std::uint32_t low = low_bits_;
   const std::uint32_t turn_first = turn == Turn::CounterClockwise ? 1U : 0U;
   const std::uint32_t turn_last = turn == Turn::Clockwise ? 0U : 1U;
+  Batch batch;
   for (std::uint32_t l = longest.low >> low; l <= longest.high >> low; ++l) {
     for (std::uint32_t m = middle.low >> low; m <= std::min(l, middle.high >> low); ++m) {
       for (std::uint32_t t = turn_first; t <= turn_last; ++t) {
         const std::uint32_t row = row_of(l, m, t);
         for (std::uint32_t s = shortest.low >> low; s <= std::min(m, shortest.high >> low); ++s) {
-          const Asked asked{tag_of(row), within(longest, l), within(middle, m), within(shortest, s)};
-          if (!visit_bucket(buckets_.data()[bucket_of(row, s)], asked, visit, more)) {
+          const Bucket& bucket = buckets_.data()[bucket_of(row, s)];
+          if (bucket.count == 0) {
+            continue;
+          }
+          __builtin_prefetch(&chunks_.data()[bucket.head]);
+          batch.asked[batch.buckets++] = {bucket.head,        bucket.count,      tag_of(row),
+                                          within(longest, l), within(middle, m), within(shortest, s)};
+          if (batch.buckets == kBatch && !visit_batch(batch, visit, more)) {
             return;
           }
         }
       }
     }
   }
+  static_cast<void>(visit_batch(batch, visit, more));
 }
 
+/// Looks through the buckets of a batch, then visits what was kept of them: memory has had time to come.
 /// False when the visitor wants no more.
 template <typename Visit, typename More>
-bool LandmarkIndex::visit_bucket(const Bucket& bucket, const Asked asked, Visit&& visit,
-                                 More&& more) const noexcept {
+bool LandmarkIndex::visit_batch(Batch& batch, Visit&& visit, More&& more) const noexcept {
   const Chunk* const chunks = chunks_.data();
-  const Entry pair_mask = (Entry{1} << (apex_shift_ - pair_shift_)) - 1U;
-  std::array<Entry, kChunkEntries + 1> kept;  // NOLINT: what is read is written before
-  const Layout layout{static_cast<int>(3U * low_bits_), static_cast<int>(2U * low_bits_),
-                      static_cast<int>(low_bits_), static_cast<std::int32_t>(tag_mask_),
-                      static_cast<std::int32_t>((1U << low_bits_) - 1U)};
-  std::uint32_t left = bucket.count;
-  for (std::uint32_t c = bucket.head; left > 0; c = chunks[c].next()) {
-    const Chunk& chunk = chunks[c];
-    // The head's chunk holds what is left over when the others are full.
-    const std::uint32_t count = (left - 1) % kChunkEntries + 1;
-    left -= count;
-    __builtin_prefetch(&chunks[left > 0 ? chunk.next() : 0]);
-    const Refused refused = refuse(chunk, asked, layout);
-    std::uint32_t found = 0;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      kept[found] = chunk.words[i];
-      found += refused[i] >= 0 ? 1U : 0U;
+  const Layout layout = this->layout();
+  std::uint32_t entries = 0;
+  std::uint32_t kept = 0;
+  const auto visit_kept = [&] {
+    for (std::uint32_t i = 0; i < kept; ++i) {
+      const Entry entry = batch.kept[i];
+      visit(entry >> apex_shift_,
+            index_detail::kPairs[(entry >> pair_shift_) & ((Entry{1} << (apex_shift_ - pair_shift_)) - 1U)]);
     }
-    for (std::uint32_t i = 0; i < found; ++i) {
-      __builtin_prefetch(stars_.data() + std::size_t{kept[i] >> apex_shift_} * neighbours_);
-    }
-    for (std::uint32_t i = 0; i < found; ++i) {
-      visit(kept[i] >> apex_shift_, index_detail::kPairs[(kept[i] >> pair_shift_) & pair_mask]);
-    }
-    if (!more(count)) {
-      return false;
+    kept = 0;
+    return more(std::exchange(entries, 0U));
+  };
+  for (std::uint32_t b = 0; b < batch.buckets; ++b) {
+    const Asked& asked = batch.asked[b];
+    std::uint32_t left = asked.count;
+    for (std::uint32_t c = asked.head; left > 0; c = chunks[c].next()) {
+      const Chunk& chunk = chunks[c];
+      // The head's chunk holds what is left over when the others are full.
+      const std::uint32_t count = (left - 1) % kChunkEntries + 1;
+      left -= count;
+      entries += count;
+      __builtin_prefetch(&chunks[left > 0 ? chunk.next() : 0]);
+      const Refused refused = refuse(chunk, asked, layout);
+      for (std::uint32_t i = 0; i < count; ++i) {
+        if (refused[i] >= 0) {
+          batch.kept[kept++] = chunk.words[i];
+          __builtin_prefetch(stars_.data() + std::size_t{chunk.words[i] >> apex_shift_} * neighbours_);
+        }
+      }
+      if (kept > kKept - kChunkEntries && !visit_kept()) {
+        return false;
+      }
     }
   }
-  return true;
+  batch.buckets = 0;
+  return visit_kept();
 }
 
 /// Negative for each entry that is out of a range or of another row of cells; four at once.

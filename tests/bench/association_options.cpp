@@ -11,7 +11,8 @@ namespace slamsensor::bench {
 namespace {
 
 [[noreturn]] void refuse(std::string_view argument) {
-  std::fprintf(stderr, "bench_association: '%.*s' does not give the number (or three, as A,B,C) it should\n",
+  std::fprintf(stderr,
+               "bench_association: '%.*s' does not give the number (or five, as A,B,C,D,E) it should\n",
                static_cast<int>(argument.size()), argument.data());
   std::exit(64);  // EX_USAGE
 }
@@ -42,8 +43,8 @@ std::optional<std::string_view> value_of(std::string_view argument, std::string_
 bool take(std::string_view argument, AssociationOptions& options) {
   if (const auto value = value_of(argument, "--queries=")) {
     read_numbers(argument, *value, options.queries);
-  } else if (const auto foreign = value_of(argument, "--foreign-queries=")) {
-    read_numbers(argument, *foreign, options.foreign_queries);
+  } else if (const auto paper = value_of(argument, "--paper-queries=")) {
+    read_numbers(argument, *paper, {&options.paper_queries, 1});
   } else if (const auto peer = value_of(argument, "--peer-queries=")) {
     read_numbers(argument, *peer, {&options.peer_queries, 1});
   } else if (const auto seconds = value_of(argument, "--peer-seconds=")) {

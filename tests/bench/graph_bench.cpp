@@ -74,7 +74,8 @@ using Measure = void (*)(Row, const std::vector<core::Point2>&);
 
 void add(Report& report, const std::string& what, std::uint32_t n, Measure measure) {
   add_benchmark("graph/n=" + std::to_string(n) + "/" + what, [=, &report](benchmark::State& state) {
-    measure(Row(state, report, "n = " + std::to_string(n) + ": " + what), make_matching_task(n, 0, 0).map_W);
+    measure(Row(state, report, "n = " + std::to_string(n) + ": " + what),
+            make_matching_task({World::Forest, n, 20, 0.15}, 0).map_W);
   });
 }
 

@@ -3,6 +3,7 @@
 #include "core/config.hpp"
 #include "core/slam.hpp"
 #include "tests/bench/heap_watch.hpp"
+#include "tests/bench/matching_task.hpp"
 #include "tests/bench/report.hpp"
 #include "tests/support/forest.hpp"
 #include "tests/support/in_arena.hpp"
@@ -20,31 +21,36 @@ namespace slamsensor::bench {
 namespace {
 
 constexpr std::uint64_t kSeed = 41;
-constexpr std::uint32_t kTrees = 3000;
-constexpr std::uint32_t kMapGoal = 1000;
-constexpr std::size_t kScansMax = 400;
-constexpr double kStep_m = 8.0;      // between scans
-constexpr double kLoopGap_m = 12.0;  // between the turns of the spiral
 constexpr double kMebibyte = 1024.0 * 1024.0;
+
+/// A spiral outwards from the middle of a forest, so that each turn sees trees of the turn before.
+struct Drive {
+  std::uint32_t trees = 3'000;
+  std::uint32_t map_goal = 1'000;  ///< landmarks in the map at which the drive ends
+  std::size_t scans_max = 400;
+  double step_m = 8.0;  ///< between scans
+  double gap_m = 12.0;  ///< between the turns of the spiral
+};
 
 struct SeenScan {
   std::vector<core::ScanLandmark> landmarks;
   core::Pose2 truth_W;
 };
 
-/// A spiral outwards from the middle of a forest, so that each turn sees trees of the turn before.
-std::vector<SeenScan> drive() {
+std::vector<SeenScan> scans_of(const Drive& drive) {
   tests::Draw draw(kSeed);
-  const tests::Forest forest = tests::make_forest(kTrees, draw);
+  const tests::Forest forest = tests::make_forest(drive.trees, draw);
+  const Surroundings surroundings(forest);
   const tests::ScanModel model{20, 0.2, 1, 0.1};
   std::vector<SeenScan> scans;
   double turned_rad = 0.0;
-  while (scans.size() < kScansMax) {
-    const double radius_m = kLoopGap_m * turned_rad / (2.0 * std::numbers::pi);
+  while (scans.size() < drive.scans_max) {
+    const double radius_m = drive.gap_m * turned_rad / (2.0 * std::numbers::pi);
     const core::Pose2 pose_W{radius_m * std::cos(turned_rad), radius_m * std::sin(turned_rad),
                              draw.uniform(-std::numbers::pi, std::numbers::pi)};
-    scans.push_back({tests::as_landmarks(tests::scan_forest(forest, pose_W, model, draw)), pose_W});
-    turned_rad += kStep_m / std::max(kStep_m, radius_m);
+    const tests::Forest about = surroundings.about(pose_W.translation(), model.nearest);
+    scans.push_back({tests::as_landmarks(tests::scan_forest(about, pose_W, model, draw)), pose_W});
+    turned_rad += drive.step_m / std::max(drive.step_m, radius_m);
   }
   return scans;
 }
@@ -58,23 +64,24 @@ bool lock_memory() noexcept {
   return mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
 }
 
-void measure_steps(Row row) {
+void measure_steps(Row row, const Drive& drive, const core::Config& config) {
   if (!heap_watch_works()) {
     std::abort();  // a count of 0 would mean nothing
   }
-  const std::vector<SeenScan> scans = drive();
-  tests::InArena<core::Slam> slam(core::Config{});
+  const std::vector<SeenScan> scans = scans_of(drive);
+  tests::InArena<core::Slam> slam(config);
   const bool locked = lock_memory();
   const core::Pose2 T_map_W = scans[0].truth_W.inverse();  // the first scan defines the map's frame
   Times times(scans.size());
-  Times grown_times(scans.size());  // from nine tenths of the goal on
+  Times first_times(scans.size());  // up to a tenth of the goal
+  Times last_times(scans.size());   // from nine tenths of it on
   std::uint64_t allocations = 0;
   std::uint64_t faults = 0;
   std::size_t fixes = 0;
   std::size_t wrong = 0;
   double worst_m = 0.0;
   std::uint32_t map_landmarks = 0;
-  for (std::size_t s = 0; s < scans.size() && map_landmarks < kMapGoal; ++s) {
+  for (std::size_t s = 0; s < scans.size() && map_landmarks < drive.map_goal; ++s) {
     const HeapWatch watch;
     const std::uint64_t faults_before = page_faults_now();
     core::Fix fix;
@@ -82,8 +89,10 @@ void measure_steps(Row row) {
     const std::uint64_t faults_after = page_faults_now();
     if (s > 0) {
       times.add(ms);
-      if (map_landmarks >= kMapGoal * 9 / 10) {
-        grown_times.add(ms);
+      if (map_landmarks < drive.map_goal / 10) {
+        first_times.add(ms);
+      } else if (map_landmarks >= drive.map_goal / 10 * 9) {
+        last_times.add(ms);
       }
       allocations += watch.use().allocations;
       faults += faults_after - faults_before;
@@ -102,7 +111,10 @@ void measure_steps(Row row) {
       .number("worst error m", worst_m, 2)
       .number("landmarks in map", map_landmarks, 0)
       .times(times)
-      .number("median ms at 900 and more", grown_times.quantile_ms(0.5), 3)
+      .number("first tenth, median ms", first_times.quantile_ms(0.5), 3)
+      .number("last tenth, median ms", last_times.quantile_ms(0.5), 3)
+      .number("first tenth, p99 ms", first_times.quantile_ms(0.99), 3)
+      .number("last tenth, p99 ms", last_times.quantile_ms(0.99), 3)
       .number("allocations", static_cast<double>(allocations), 0)
       .number("page faults", static_cast<double>(faults), 0)
       .text("memory locked", locked ? "yes" : "not permitted")
@@ -143,7 +155,13 @@ int main(int argc, char** argv) {
       "Slam::process on a simulated drive, from an empty map; the first scan is not counted (aim: 0 "
       "allocations, 0 page faults)");
   add_benchmark("slam/process", [&](benchmark::State& state) {
-    measure_steps(Row(state, steps, "random forest, default config"));
+    measure_steps(Row(state, steps, "random forest, default config"), Drive{}, {});
+  });
+  add_benchmark("slam/drive to 20,000 landmarks", [&](benchmark::State& state) {
+    slamsensor::core::Config config = config_for(24'000, 3);
+    config.capacities.sightings = 200'000;
+    measure_steps(Row(state, steps, "to 20,000 landmarks"), Drive{40'000, 20'000, 12'000, 12.0, 20.0},
+                  config);
   });
   steps.add_note(
       "Errors are in the frame of the first scan: the drift of the map over the drive is in them.");
@@ -151,6 +169,8 @@ int main(int argc, char** argv) {
   add_plan(plan, "default config", {});
   add_plan(plan, "1,000 landmarks x 3 hypotheses", config_for(1000, 3));
   add_plan(plan, "10,000 landmarks x 3 hypotheses", config_for(10'000, 3));
+  add_plan(plan, "100,000 landmarks x 3 hypotheses", config_for(100'000, 3));
+  add_plan(plan, "1,000,000 landmarks x 3 hypotheses", config_for(1'000'000, 3));
   const int exit_code = run(argc, argv, steps);
   plan.print();
   return exit_code;
