@@ -21,6 +21,7 @@ constexpr std::uint64_t kWorkPerDeadlineLook = 50'000;
 constexpr std::uint64_t kTrianglesEnough = 24;
 constexpr std::uint64_t kTrianglesContested = 160;
 constexpr double kContestedShare = 0.5;
+constexpr double kExplainedShare = 0.55;  // of the scan, by a leader that nobody contests
 constexpr std::uint64_t kWorkEnough = 30'000;
 constexpr double kLead = 20.0;         // nats of a leader ...
 constexpr double kLeadMargin = 12.0;   // ... and above what chance reaches
@@ -142,11 +143,16 @@ bool FastSearch::has_lead(const Candidates& found) const noexcept {
   return !found.list.empty() && found.list[0].score >= std::max(kLead, chance_ + kLeadMargin);
 }
 
-/// Whether another place comes near the leader, and not by chance: the world repeats itself, and what leads
+/// Whether the leader leaves much of the scan unexplained, or another place comes near it, and not by chance:
+/// the world repeats itself, and what leads
 /// now need not lead in the end.
 bool FastSearch::is_contested(const Candidates& found) const noexcept {
-  return found.list.size() > 1 &&
-         found.list[1].score > std::max(chance_, kContestedShare * found.list[0].score);
+  if (found.list.empty()) {
+    return false;
+  }
+  const Candidate& leader = found.list[0];
+  return static_cast<double>(leader.matches.size()) < kExplainedShare * static_cast<double>(scan_.size()) ||
+         (found.list.size() > 1 && found.list[1].score > std::max(chance_, kContestedShare * leader.score));
 }
 
 /// Lists the triangles of near neighbours, those first that are most likely in the index for their price.
