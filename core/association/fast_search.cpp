@@ -121,9 +121,9 @@ void FastSearch::search(std::span<const Point2> scan, const LandmarkIndex& index
   }
   has_neighbourhood_.fill(false);
   mask_.draw(scan, kLooseGate * config_.tolerance_m);
-  plan_all();
   witnesses_ = kWitnesses;
   window_m_ = std::min(config_.tolerance_m, kWindowSigmas * std::numbers::sqrt2 * model_.sigma_m);
+  plan_all();
   bool is_done = try_plans(found);
   if (!is_done) {  // a poor scan, a place that is not in the map, or a world that repeats itself
     witnesses_ = 1;
