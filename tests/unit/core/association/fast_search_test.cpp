@@ -173,11 +173,12 @@ TEST(FastSearch, AnExpiredDeadlineAllowsNothing) {
 // Rows give more work than is done between two looks, and no clear leader that would end the search.
 TEST(FastSearch, ADeadlineIsHonouredAtEachLook) {
   Draw draw(22);
-  const Forest rows = make_rows(400, draw);
+  const Forest rows = make_rows(900, draw);
   AssociationConfig config = exhaustive();
   config.tolerance_m = 1.0;
   Searches searches(rows.trees_W, config);
-  const auto scan = tests::scan_forest(rows, {1, 2, 0.4}, {24, 0.3, 6, 0.3}, draw);
+  const Forest other = tests::make_forest(200, draw);  // nowhere in the map
+  const auto scan = tests::scan_forest(other, {1, 2, 0.4}, {48, 0.3, 6, 0.3}, draw);
   Clock endless{1'000'000};
   const Candidates& whole = searches.fast(scan, endless.deadline());
   const std::uint64_t poses = whole.poses_tried;
@@ -215,6 +216,25 @@ TEST(FastSearch, TheSameScanGivesTheSameCandidates) {
   for (std::size_t i = 0; i < first.list.size(); ++i) {
     EXPECT_EQ(first.list[i].pose_W.x_m, second.list[i].pose_W.x_m);
     EXPECT_EQ(first.list[i].score, second.list[i].score);
+  }
+}
+
+// The first search of all once planned its triangles by another window than those that came after it.
+TEST(FastSearch, WhatWasSearchedBeforeDoesNotMatter) {
+  Draw draw(26);
+  const Forest rows = make_rows(300, draw);
+  Searches fresh(rows.trees_W);
+  Searches used(rows.trees_W);
+  const auto scan = tests::scan_forest(rows, {2, 3, 0.5}, {}, draw);
+  const auto before = tests::scan_forest(rows, {-9, 4, 2.5}, {}, draw);
+  static_cast<void>(used.fast(before));
+  const Candidates& a = fresh.fast(scan);
+  const Candidates& b = used.fast(scan);
+  EXPECT_EQ(a.poses_tried, b.poses_tried);
+  EXPECT_EQ(a.vertices_searched, b.vertices_searched);
+  ASSERT_EQ(a.list.size(), b.list.size());
+  for (std::size_t i = 0; i < a.list.size(); ++i) {
+    EXPECT_EQ(a.list[i].score, b.list[i].score);
   }
 }
 
