@@ -38,7 +38,6 @@ constexpr std::uint32_t kFailuresMax = 3;  // tries at one place that may fail b
 constexpr int kRounds = 4;                 // of matching and fitting
 constexpr std::uint32_t kMatchesMin = 4;   // three match by construction: only a fourth says anything
 constexpr double kRobustScale = 2.0;       // of the robust fit, in sigmas
-constexpr double kCellsPerGate = 3.0;      // of the mask
 
 /// Pairs of neighbours, the nearest first: (0,1), (0,2), (1,2), (0,3), ...
 struct Pair {
@@ -64,28 +63,6 @@ double cross(const Point2& a, const Point2& b) noexcept {
 }
 
 }  // namespace
-
-void ScanMask::draw(std::span<const Point2> scan, double gate_m) noexcept {
-  for (auto& row : bits_) {
-    row.fill(0);
-  }
-  const double cell_m = gate_m / kCellsPerGate;
-  cells_per_m_ = static_cast<float>(1.0 / cell_m);
-  for (const Point2& p : scan) {
-    const double x = p.x() / cell_m + static_cast<double>(kShift);
-    const double y = p.y() / cell_m + static_cast<double>(kShift);
-    const auto row_last = static_cast<std::uint32_t>(y + kCellsPerGate);
-    for (auto row = static_cast<std::uint32_t>(y - kCellsPerGate); row <= row_last; ++row) {
-      // Half the width of the disc at the line of the row that is nearest to its middle.
-      const double dy = std::max({0.0, static_cast<double>(row) - y, y - 1.0 - static_cast<double>(row)});
-      const double half = std::sqrt(std::max(0.0, kCellsPerGate * kCellsPerGate - dy * dy));
-      const auto last = static_cast<std::uint32_t>(x + half);
-      for (auto column = static_cast<std::uint32_t>(x - half); column <= last; ++column) {
-        bits_[row & kSideMask][(column & kSideMask) >> 6U] |= std::uint64_t{1} << (column & 63U);
-      }
-    }
-  }
-}
 
 FastSearch::FastSearch(Arena& arena, const AssociationConfig& config, const Capacities&) noexcept
     : config_(config), tried_(arena, "association: poses tried", 8'192) {

@@ -2,6 +2,7 @@
 
 #include "core/association/candidate.hpp"
 #include "core/association/landmark_index.hpp"
+#include "core/association/scan_mask.hpp"
 #include "core/config.hpp"
 #include "core/deadline.hpp"
 #include "core/memory/arena.hpp"
@@ -23,32 +24,6 @@ struct MatchModel {
   double sigma_m = 0.17;         ///< spread of a matched landmark about its place in the map, per axis
   double density_per_m2 = 0.01;  ///< of the scan's landmarks
   double detection = 0.7;        ///< share of the map's landmarks that a scan shows
-};
-
-/// Where a scan has landmarks: a bit for each cell of a square that repeats itself, set within a gate of a
-/// landmark. Answers for any place by one look; where it says no, there is none.
-class ScanMask {
- public:
-  /// Cells of a third of `gate_m`.
-  void draw(std::span<const Point2> scan, double gate_m) noexcept;
-
-  [[nodiscard]] bool has(float x_m, float y_m) const noexcept {
-    const std::uint32_t column = cell(x_m);
-    const std::uint32_t row = cell(y_m);
-    return ((bits_[row & kSideMask][(column & kSideMask) >> 6U] >> (column & 63U)) & 1U) != 0;
-  }
-
- private:
-  static constexpr std::uint32_t kSide = 256;
-  static constexpr std::uint32_t kSideMask = kSide - 1;
-  static constexpr float kShift = 1 << 16;  // makes cells positive before they are cut off
-
-  [[nodiscard]] std::uint32_t cell(float v_m) const noexcept {
-    return static_cast<std::uint32_t>(static_cast<std::int32_t>(v_m * cells_per_m_ + kShift));
-  }
-
-  std::array<std::array<std::uint64_t, kSide / 64>, kSide> bits_{};
-  float cells_per_m_ = 1.0F;
 };
 
 /// The fast search: the poses from which a scan explains a part of any map, whatever the size of the maps. It
