@@ -129,7 +129,8 @@ class PublishLoop {
   SensorStatus status_;  // of this thread
   std::shared_ptr<RecordingSession> recording_;
   core::FixStatus told_ = core::FixStatus::NoFix;  // that LCM told last
-  bool is_pose_told_ = false;                      // and whether with a pose, if only in a local map
+  core::FixReason reason_told_ = core::FixReason::NoScan;
+  bool is_pose_told_ = false;  // and whether with a pose, if only in a local map
   hal::Stamp status_due_{};
   hal::Stamp map_due_{};
   hal::Stamp log_due_{};

@@ -14,6 +14,7 @@ constexpr int kMapRepeatPeriods = 6;
 
 void PublishLoop::publish_fix(const FixMessage& message) {
   told_ = status_.report.fix.status;
+  reason_told_ = status_.report.fix.reason;
   is_pose_told_ = core::has_pose(status_.report.fix);
   if (lcm_) {
     lcm_->publish(status_.report);
@@ -21,13 +22,17 @@ void PublishLoop::publish_fix(const FixMessage& message) {
   }
 }
 
-/// A fix that is withdrawn between two scans (stale, a device lost) is told at once.
+/// A fix that is withdrawn between two scans (stale, a device lost) is told at once, and so is another reason
+/// why there is none.
 void PublishLoop::publish_state_change() {
   const core::Fix& fix = status_.report.fix;
-  if (lcm_ && (fix.status != told_ || core::has_pose(fix) != is_pose_told_)) {
+  const bool is_news =
+      fix.status != told_ || fix.reason != reason_told_ || core::has_pose(fix) != is_pose_told_;
+  if (lcm_ && is_news) {
     lcm_->publish(status_.report);
   }
   told_ = fix.status;
+  reason_told_ = fix.reason;
   is_pose_told_ = core::has_pose(fix);
 }
 

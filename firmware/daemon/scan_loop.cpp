@@ -129,6 +129,7 @@ void ScanLoop::report(hal::Stamp now, const PeriodicTimer& timer) noexcept {
   }
   status.attitude = head.attitude();
   status.timing_in_doubt = head.is_timing_in_doubt();
+  status.failing = head.is_failing();
   status.held = head.scheduler().held().has_value();
   status.scan = scan_;
   status.line = head.scheduler().line();

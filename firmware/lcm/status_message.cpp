@@ -8,7 +8,7 @@ namespace {
 void put_device(const DeviceStatus& device, LcmDevice place, StatusMessage& message) noexcept {
   const auto i = static_cast<std::size_t>(place);
   message.device_state[i] = static_cast<std::int8_t>(device.state);
-  message.device_problem[i] = to_lcm_text<96>(device.problem.view());
+  message.device_problem[i] = to_lcm_text<192>(device.problem.view());
   message.device_model[i] = to_lcm_text<80>(device.model.view());
   message.device_recoveries[i] = device.recoveries;
   message.device_last_recovery_ns[i] = device.last_recovery.count();
@@ -17,7 +17,7 @@ void put_device(const DeviceStatus& device, LcmDevice place, StatusMessage& mess
 void put_head(const HeadStatus& head, StatusMessage& message) noexcept {
   message.held = head.held;
   message.phase = to_lcm_text<16>(head.phase);
-  message.problem = to_lcm_text<96>(head.problem.view());
+  message.problem = to_lcm_text<192>(head.problem.view());
   message.head_monotonic_ns = head.stamp.count();
   message.scan = head.scan;
   message.line = head.line;

@@ -24,9 +24,9 @@ struct StatusMessage {
   bool map_frozen = false;
   bool map_unsaved = false;
   LcmText<16> phase{};
-  LcmText<96> problem{};
+  LcmText<192> problem{};
   std::array<std::int8_t, kLcmDevices> device_state{};
-  std::array<LcmText<96>, kLcmDevices> device_problem{};
+  std::array<LcmText<192>, kLcmDevices> device_problem{};
   std::array<LcmText<80>, kLcmDevices> device_model{};
   std::array<std::int64_t, kLcmDevices> device_recoveries{};
   std::array<std::int64_t, kLcmDevices> device_last_recovery_ns{};

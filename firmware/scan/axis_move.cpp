@@ -37,7 +37,11 @@ void AxisMove::ask(hal::PanTilt& unit, hal::Stamp now) noexcept {
   const hal::AxisInfo& axis = axis_ == hal::Axis::Pan ? unit.info().pan : unit.info().tilt;
   if (deadline_ == hal::kNever) {
     deadline_ = now + margin_;
+    asked_ = now;
+    start_rad_ = status.position_rad;
   }
+  seen_rad_ = status.position_rad;
+  waited_ = now - asked_;
   if (!status.moving && status.polled > hal::Stamp{} && is_at(status, target_rad_, axis.resolution_rad)) {
     state_ = AxisMoveState::Arrived;
     return;
@@ -64,6 +68,8 @@ void AxisMove::ask(hal::PanTilt& unit, hal::Stamp now) noexcept {
 
 void AxisMove::watch(const hal::AxisStatus& status, double resolution_rad, hal::Stamp now) noexcept {
   has_moved_ = has_moved_ || status.moving;
+  seen_rad_ = status.position_rad;
+  waited_ = now - asked_;
   const bool rests = !status.moving && status.polled >= taken_;
   if (rests && is_at(status, target_rad_, resolution_rad)) {
     state_ = AxisMoveState::Arrived;

@@ -29,7 +29,13 @@ class AxisMove {
   AxisMoveState step(hal::PanTilt& unit, hal::Stamp now) noexcept;
 
   [[nodiscard]] AxisMoveState state() const noexcept { return state_; }
+  [[nodiscard]] hal::Axis axis() const noexcept { return axis_; }
   [[nodiscard]] double target_rad() const noexcept { return target_rad_; }
+  [[nodiscard]] double speed_radps() const noexcept { return speed_radps_; }
+  /// Where the axis stood when the move was asked for, where it was seen last, and how long after that.
+  [[nodiscard]] double start_rad() const noexcept { return start_rad_; }
+  [[nodiscard]] double seen_rad() const noexcept { return seen_rad_; }
+  [[nodiscard]] hal::Stamp waited() const noexcept { return waited_; }
 
  private:
   void ask(hal::PanTilt& unit, hal::Stamp now) noexcept;
@@ -40,6 +46,10 @@ class AxisMove {
   double speed_radps_ = 0.0;
   hal::Stamp margin_{};
   AxisMoveState state_ = AxisMoveState::Arrived;
+  double start_rad_ = 0.0;
+  double seen_rad_ = 0.0;
+  hal::Stamp asked_{};
+  hal::Stamp waited_{};
   hal::Stamp taken_{};
   hal::Stamp deadline_ = hal::kNever;
   bool has_moved_ = false;

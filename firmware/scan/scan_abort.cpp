@@ -3,21 +3,6 @@
 namespace slamsensor::firmware {
 namespace {
 
-// In the order of ScanAbort.
-constexpr std::array<std::string_view, kScanAborts> kAborts = {
-    "the pan-tilt unit was lost during the scan",
-    "the rangefinder was lost during the scan",
-    "the pan-tilt unit refused a move; check its limits",
-    "the pan axis did not get where it was sent; check what stands in its way",
-    "the tilt axis did not get where it was sent; check what stands in its way",
-    "too many scanlines could not be used; check the counters of the lines",
-    "the head was pushed while it scanned; leave it alone",
-    "the carrier, or the head on it, moved during the scan; let it stand still until a scan has ended",
-    "the timing of a device is in doubt; see what is said of the device",
-    "scanning is held",
-    "the scan was ended on command",
-};
-
 // In the order of HoldReason.
 constexpr std::array<std::string_view, kHoldReasons> kHolds = {
     "the laser interlock is open or cannot be read; close it to scan",
@@ -26,7 +11,7 @@ constexpr std::array<std::string_view, kHoldReasons> kHolds = {
     "the sensor leans by more than inclination.max_lean_deg; set it upright",
 };
 
-// In the order of ScanDoubt; an LCM status has room for 95 characters.
+// In the order of ScanDoubt; an LCM status has room for 191 characters.
 constexpr std::array<std::string_view, kScanDoubts> kDoubts = {
     "the timing of a device was in doubt during the scan",
     "the pan-tilt unit's positions are timed too loosely; check its line, or scan more slowly",
@@ -38,10 +23,6 @@ constexpr std::array<std::string_view, kScanDoubts> kDoubts = {
 
 std::string_view describe(ScanDoubt doubt) noexcept {
   return kDoubts[static_cast<std::size_t>(doubt)];
-}
-
-std::string_view describe(ScanAbort reason) noexcept {
-  return kAborts[static_cast<std::size_t>(reason)];
 }
 
 std::string_view describe(HoldReason reason) noexcept {

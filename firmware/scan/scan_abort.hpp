@@ -28,9 +28,6 @@ inline constexpr std::array<std::string_view, kScanAborts> kScanAbortNames = {
     "pan_tilt_lost", "rangefinder_lost", "move_refused",    "pan_stalled", "tilt_stalled", "lines_rejected",
     "head_moved",    "carrier_moved",    "timing_in_doubt", "held",        "cancelled"};
 
-/// A sentence for a person: what happened and what to do about it. Lives as long as the program.
-[[nodiscard]] std::string_view describe(ScanAbort reason) noexcept;
-
 /// What puts the timing of a whole scan in doubt.
 enum class ScanDoubt : std::uint8_t {
   Device,          ///< a device's samples cannot be timed: hal::Device::timing_doubt()
@@ -40,7 +37,8 @@ enum class ScanDoubt : std::uint8_t {
 };
 inline constexpr std::size_t kScanDoubts = 4;
 
-/// As above; says which device it is.
+/// A sentence for a person: which device it is, what happened and what to do about it. Lives as long as the
+/// program.
 [[nodiscard]] std::string_view describe(ScanDoubt doubt) noexcept;
 
 /// Why no scan may be made. Each is set and lifted by itself; one of them is enough.

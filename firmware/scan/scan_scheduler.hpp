@@ -107,6 +107,10 @@ class ScanScheduler {
   [[nodiscard]] std::uint32_t lines_rejected() const noexcept { return lines_rejected_; }
   /// Of the last aborted pass.
   [[nodiscard]] ScanAbort abort_reason() const noexcept { return abort_reason_; }
+  /// The move under way of one axis, or the last one; of an aborted pass that which it was aborted in.
+  [[nodiscard]] const AxisMove& move(hal::Axis axis) const noexcept {
+    return axis == hal::Axis::Pan ? pan_ : tilt_;
+  }
   /// Why there is no plan, while there is none.
   [[nodiscard]] const std::optional<PlanProblem>& plan_problem() const noexcept { return plan_problem_; }
   [[nodiscard]] std::span<const hal::Counter> counters() const noexcept { return counters_.all(); }

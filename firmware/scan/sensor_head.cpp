@@ -72,7 +72,14 @@ std::string_view SensorHead::problem() const noexcept {
   if (const auto& plan_problem = scheduler_.plan_problem()) {
     return describe(plan_problem->limit_hit);
   }
+  if (const std::string_view failure = failure_.text(); !failure.empty()) {
+    return failure;
+  }
   return doubt_ ? describe(*doubt_) : std::string_view{};
+}
+
+bool SensorHead::is_failing() const noexcept {
+  return failure_.is_failing() || scheduler_.plan_problem().has_value();
 }
 
 bool SensorHead::is_timing_in_doubt() const noexcept {
@@ -159,6 +166,7 @@ void SensorHead::begin_line() noexcept {
 void SensorHead::end_pass() noexcept {
   calibration_due_ = true;
   scan_attitude_.reset();
+  failure_.on_pass();
   if (!in_scan()) {
     return;
   }
@@ -191,6 +199,8 @@ void SensorHead::abort_pass() noexcept {
   scan_attitude_.reset();
   assembler_.abandon();
   last_abort_ = scheduler_.abort_reason();
+  failure_.on_abort({*last_abort_, scheduler_.move(hal::Axis::Pan), scheduler_.move(hal::Axis::Tilt),
+                     scheduler_.lines_rejected(), scheduler_.plan().lines});
   if (last_abort_ == ScanAbort::TimingInDoubt) {
     doubt_ = ScanDoubt::Device;
   }
@@ -206,8 +216,10 @@ void SensorHead::finish_line(hal::Stamp now) noexcept {
   }
   if (!*line) {
     scheduler_.on_line_rejected();
+    failure_.on_line_rejected(line->error());
     return;
   }
+  failure_.on_line();
   calibration_.add(**line);
   if (!in_scan()) {
     return;

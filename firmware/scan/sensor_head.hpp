@@ -7,6 +7,7 @@
 #include "firmware/scan/scan_abort.hpp"
 #include "firmware/scan/scan_assembler.hpp"
 #include "firmware/scan/scan_config.hpp"
+#include "firmware/scan/scan_failure.hpp"
 #include "firmware/scan/scan_scheduler.hpp"
 #include "firmware/scan/scanline.hpp"
 #include "hal/counters.hpp"
@@ -88,7 +89,9 @@ class SensorHead {
 
   /// What keeps it from scanning, for a person; empty when nothing does. Valid until the next step().
   [[nodiscard]] std::string_view problem() const noexcept;
-  /// Of the last pass that was aborted; describe() says it in words.
+  /// The devices answer, but no scan comes of it: problem() says why.
+  [[nodiscard]] bool is_failing() const noexcept;
+  /// Of the last pass that was aborted.
   [[nodiscard]] std::optional<ScanAbort> last_abort() const noexcept { return last_abort_; }
 
   [[nodiscard]] const ScanScheduler& scheduler() const noexcept { return scheduler_; }
@@ -137,6 +140,7 @@ class SensorHead {
   ScanEnded scan_;                               // under way
   std::uint32_t scans_ = 0;
   std::optional<ScanAbort> last_abort_;
+  ScanFailure failure_;
   double pan_sigma_max_rad_;
   double loose_max_share_;
   std::uint32_t lines_loose_ = 0;  // of the scan under way

@@ -25,7 +25,7 @@ enum class SensorState : std::uint8_t {
   Ambiguous,  ///< the last scan fits more than one place
   Lost,       ///< the last scan gave no fix, or is stale
   Held,       ///< scanning is not allowed: interlock open, or paused on command
-  Faulted,    ///< a device that has worked does not
+  Faulted,    ///< a device that has worked does not, or the devices answer and no scan comes of it
 };
 inline constexpr std::array<std::string_view, 7> kSensorStateNames = {
     "starting", "scanning", "fixed", "ambiguous", "lost", "held", "faulted"};
@@ -68,6 +68,7 @@ struct HeadStatus {
   std::string_view phase = "waiting";        ///< waiting, calibrating, scanning
   ProblemText problem;                       ///< what keeps it from scanning; empty when nothing does
   bool timing_in_doubt = false;              ///< of a device: its problem says why
+  bool failing = false;                      ///< the devices answer, but no scan comes of it: `problem`
   bool held = false;                         ///< interlock open or paused on command
   std::uint32_t scan = 0;                    ///< number of the scan under way or next
   std::uint32_t line = 0;                    ///< of it

@@ -17,7 +17,8 @@ void SensorTracker::on_head(const HeadStatus& head) {
   were_ready_ = were_ready_ || all_ready_;
   is_held_ = head.held;
   is_timing_in_doubt_ = head.timing_in_doubt;
-  if (fix_ && (!all_ready_ || is_held_)) {
+  is_failing_ = head.failing;
+  if (fix_ && (!all_ready_ || is_held_ || is_failing_)) {
     // Nobody looked meanwhile: where the sensor was is a fix again when the next scan says so.
     fix_->status = core::FixStatus::NoFix;
     fix_->reason = core::FixReason::Device;
@@ -40,6 +41,9 @@ SensorState SensorTracker::state(hal::Stamp now) const {
   }
   if (is_held_) {
     return SensorState::Held;
+  }
+  if (is_failing_) {
+    return SensorState::Faulted;
   }
   if (is_timing_in_doubt_) {
     return SensorState::Lost;

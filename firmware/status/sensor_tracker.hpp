@@ -15,7 +15,8 @@ namespace slamsensor::firmware {
 ///   Starting   the devices have not all answered since start
 ///   Faulted    a device that has answered does not any more: no fix, reason device (the devices are those of
 ///   the
-///              head, and the inclinometer when one is configured)
+///              head, and the inclinometer when one is configured); or the devices answer, and no scan comes
+///              of it (a blocked axis, replies too late, no usable readings)
 ///   Held       scanning is not allowed: no fix, reason device
 ///              After both the last fix stays void (Lost, reason device) until a scan has been made.
 ///   Scanning   no scan has been localised yet, or none in this map: no fix, reason no_scan
@@ -53,6 +54,7 @@ class SensorTracker {
   bool were_ready_ = false;
   bool is_held_ = false;
   bool is_timing_in_doubt_ = false;
+  bool is_failing_ = false;
 };
 
 }  // namespace slamsensor::firmware

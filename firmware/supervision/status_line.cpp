@@ -41,7 +41,7 @@ std::string_view meaning(core::FixReason reason) {
 }
 
 std::string why_none(const core::Fix& fix) {
-  if (fix.reason == core::FixReason::NoScan) {
+  if (fix.reason == core::FixReason::NoScan || fix.reason == core::FixReason::Device) {
     return std::string(meaning(fix.reason));
   }
   return std::string(meaning(fix.reason)) + ", " + std::to_string(fix.landmarks_seen) + " landmarks seen";
@@ -54,6 +54,7 @@ std::string fix_clause(const SensorStatus& status) {
       return ' ' + fix_phrase(fix);
     case SensorState::Ambiguous:
     case SensorState::Lost:
+    case SensorState::Faulted:
       return ": " + why_none(fix);
     default:
       return status.slam.scans == 0 ? std::string() : ", " + fix_phrase(fix);

@@ -9,6 +9,8 @@
 namespace slamsensor::firmware {
 namespace {
 
+constexpr hal::Stamp kFailurePeriod = std::chrono::minutes(1);  // its figures change with each pass
+
 std::string seconds(hal::Stamp time) {
   return decimal_text(hal::to_seconds(time), 1) + " s";
 }
@@ -62,10 +64,18 @@ void StatusLogger::compare_head(const SensorStatus& status, std::vector<LogEntry
   if (head.held != is_held_) {
     entries.push_back(head.held ? LogEntry{LogLevel::Notice, with_problem("scanning is held", problem)}
                                 : LogEntry{LogLevel::Notice, "scanning goes on"});
+  } else if (head.failing && !head.held) {
+    if (!is_failing_ || head.stamp >= failure_due_) {
+      entries.push_back({LogLevel::Warning, with_problem("no scan comes about", problem)});
+      failure_due_ = head.stamp + kFailurePeriod;
+    }
   } else if (problem != head_problem_ && !problem.empty() && !head.held) {
     entries.push_back(
         {LogLevel::Warning, with_problem(head.phase == "waiting" ? "no scanning" : "sensor head", problem)});
+  } else if (is_failing_ && problem.empty()) {
+    entries.push_back({LogLevel::Notice, "scans come about again"});
   }
+  is_failing_ = head.failing && !head.held;
   is_held_ = head.held;
   head_problem_ = problem;
 }

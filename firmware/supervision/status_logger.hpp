@@ -36,6 +36,8 @@ class StatusLogger {
 
   std::array<Device, 3> devices_;
   std::string head_problem_;
+  hal::Stamp failure_due_{};  // when a head that goes on failing is told again
+  bool is_failing_ = false;
   SensorState state_ = SensorState::Starting;
   core::FixReason reason_ = core::FixReason::None;
   std::uint32_t jumps_ = 0;

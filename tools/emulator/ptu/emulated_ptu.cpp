@@ -367,6 +367,10 @@ bool EmulatedPtu::inject(const Fault& fault) {
     case FaultKind::MissedSteps:
       miss_steps(now);
       break;
+    case FaultKind::Blocked:
+      unit_.head.axis(PtuAxisId::Pan).block(now, until);
+      unit_.head.axis(PtuAxisId::Tilt).block(now, until);
+      break;
     case FaultKind::MonitorMode:
       begin_monitor(now);
       break;

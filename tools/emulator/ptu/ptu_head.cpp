@@ -134,6 +134,9 @@ Stamp PtuAxis::next_stop_hit(Stamp from) const {
 
 void PtuAxis::move(Stamp at, long target, const StepperRates& rates) {
   target_ = target;
+  if (at < blocked_until_) {
+    return;
+  }
   const StepperState state{motion_.position(at), motion_.speed(at)};
   motion_.follow(at, plan_move(state, static_cast<double>(target), rates));
 }
@@ -147,6 +150,11 @@ void PtuAxis::halt(Stamp at, const StepperRates& rates) {
 void PtuAxis::freeze(Stamp at) {
   target_ = position(at);
   motion_.rest(at, static_cast<double>(target_), motion_.slip(at));
+}
+
+void PtuAxis::block(Stamp at, Stamp until) {
+  freeze(at);
+  blocked_until_ = std::max(blocked_until_, until);
 }
 
 void PtuAxis::miss(Stamp at, double steps) {

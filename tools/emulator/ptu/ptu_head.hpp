@@ -205,6 +205,9 @@ class PtuAxis {
   /// Stands still at once, as at a mechanical stop or without power.
   void freeze(Stamp at);
 
+  /// Stands still until `until`, whatever it is told.
+  void block(Stamp at, Stamp until);
+
   /// The motor has missed `steps`, or as many as the mechanical stops allow.
   void miss(Stamp at, double steps);
 
@@ -228,6 +231,7 @@ class PtuAxis {
   long min_;
   long max_;
   long target_ = 0;
+  Stamp blocked_until_{};
   Trajectory motion_{0.0};
 };
 

@@ -215,11 +215,9 @@ TEST(PushedHead, TheScanIsEndedAndBegunAgain) {
   EXPECT_EQ(rig.taken.problem_with_order(), nullptr);
 }
 
-TEST(ScanAbort, EachHasANameACounterAndASentence) {
+TEST(ScanAbort, EachHasANameAndACounter) {
   HeadRig rig = scanning_rig();
   for (std::size_t i = 0; i < kScanAborts; ++i) {
-    const auto reason = static_cast<ScanAbort>(i);
-    EXPECT_FALSE(describe(reason).empty());
     const std::size_t counter = static_cast<std::size_t>(SchedulerEvent::AbortedPanTiltLost) + i;
     EXPECT_EQ(rig.head.scheduler().counters()[counter].name,
               "scans_aborted_" + std::string(kScanAbortNames[i]));

@@ -113,6 +113,25 @@ TEST_F(SensorTrackerTest, HeldIsNoFix) {
   expect(SensorState::Lost, FixStatus::NoFix, FixReason::Device, seconds(112));
 }
 
+TEST_F(SensorTrackerTest, AHeadThatMakesNoScansIsFaultedThoughItsDevicesAnswer) {
+  HeadStatus failing = ready_head();
+  failing.failing = true;
+  tracker_.on_head(failing);
+  expect(SensorState::Faulted, FixStatus::NoFix, FixReason::Device, seconds(105));
+  tracker_.on_head(ready_head());
+  expect(SensorState::Scanning, FixStatus::NoFix, FixReason::NoScan, seconds(106));
+  tracker_.on_fix(good_fix(), seconds(110));
+  tracker_.on_head(failing);
+  expect(SensorState::Faulted, FixStatus::NoFix, FixReason::Device, seconds(111));
+  failing.held = true;
+  tracker_.on_head(failing);
+  expect(SensorState::Held, FixStatus::NoFix, FixReason::Device, seconds(112));
+  tracker_.on_head(ready_head());
+  expect(SensorState::Lost, FixStatus::NoFix, FixReason::Device, seconds(113));
+  tracker_.on_fix(good_fix(), seconds(114));
+  expect(SensorState::Fixed, FixStatus::Fix, FixReason::None, seconds(115));
+}
+
 TEST_F(SensorTrackerTest, TimingInDoubtIsNoFixHoweverLong) {
   HeadStatus doubtful = ready_head();
   doubtful.timing_in_doubt = true;

@@ -82,6 +82,23 @@ TEST_F(StatusLoggerTest, AFixIsFoundLostAndFoundAgain) {
   EXPECT_THAT(said(), ElementsAre(StartsWith("notice fix found again: x=13.00")));
 }
 
+TEST_F(StatusLoggerTest, AHeadThatMakesNoScansIsToldOnceAMinute) {
+  begin();
+  status.head.failing = true;
+  status.state = SensorState::Faulted;
+  status.head.problem = ProblemText("pan-tilt unit: pan has not moved");
+  EXPECT_THAT(said(), ElementsAre("warning no scan comes about: pan-tilt unit: pan has not moved"));
+  status.head.problem = ProblemText("pan-tilt unit: pan has not moved, 2 times in a row");
+  status.head.stamp += std::chrono::seconds(59);
+  EXPECT_THAT(said(), IsEmpty());
+  status.head.stamp += std::chrono::seconds(1);
+  EXPECT_THAT(said(),
+              ElementsAre("warning no scan comes about: pan-tilt unit: pan has not moved, 2 times in a row"));
+  status.head.failing = false;
+  status.head.problem = {};
+  EXPECT_THAT(said(), ElementsAre("notice scans come about again"));
+}
+
 TEST_F(StatusLoggerTest, HoldsProblemsJumpsAndModesAreTold) {
   begin();
   status.head.held = true;

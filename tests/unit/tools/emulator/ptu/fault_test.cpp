@@ -111,6 +111,25 @@ TEST_F(PtuFaults, MonitorModeScansUntilSomebodyTypes) {
   EXPECT_EQ(bench.ask("PP "), "* 0\r\n");
 }
 
+TEST_F(PtuFaults, ABlockedAxisStandsWhereItIsAndSaysSo) {
+  bench.ask("ED ");
+  bench.ask("FT ");
+  bench.ask("PP1000 ");
+  bench.run_for(300ms);
+  bench.ptu.inject({FaultKind::Blocked, bench.now, 5s});
+  const double stuck = bench.pan_steps(bench.now);
+  EXPECT_GT(stuck, 0.0);
+  EXPECT_LT(stuck, 1000.0);
+  bench.ask("PP-500 ");
+  bench.run_for(2s);
+  EXPECT_NEAR(bench.pan_steps(bench.now), stuck, 1.0);
+  EXPECT_EQ(bench.ask("PP "), "* " + std::to_string(std::lround(stuck)) + "\r\n");
+  bench.run_for(3s);
+  bench.ask("PP-500 ");
+  bench.run_for(3s);
+  EXPECT_EQ(bench.ask("PP "), "* -500\r\n");
+}
+
 TEST_F(PtuFaults, LostSettingsBringEchoAndVerboseBack) {
   bench.ask("PS500 ");
   bench.fault(FaultKind::SettingsLost);
