@@ -103,7 +103,7 @@ void BenewakeSerialDriver::on_reply(Stamp now) noexcept {
     case BenewakeScript::Verdict::Answered:
       if (dialogue_.is_asking(static_cast<unsigned>(Step::Version)) && wanted_baud() == 0 &&
           !is_line_fast_enough()) {
-        dialogue_.fault(now, kLineTooSlow);
+        dialogue_.fault_of_rate(now, kLineTooSlow);
         break;
       }
       dialogue_.answered(now);

@@ -36,6 +36,7 @@ bool Dialogue::open(Stamp now) noexcept {
     epoch_ = line_.epoch();
     back_off_ = Stamp{};
     faulted_ = false;
+    is_rate_at_fault_ = false;
     problem_ = kStarting;
     start(now);
   }
@@ -116,7 +117,7 @@ void Dialogue::ask(Stamp now) noexcept {
 }
 
 void Dialogue::give_up(Stamp now) noexcept {
-  if (!request_.problem.empty()) {
+  if (!request_.problem.empty() && !is_rate_at_fault_) {
     problem_ = request_.problem;
   }
   switch (request_.if_silent) {
@@ -126,7 +127,7 @@ void Dialogue::give_up(Stamp now) noexcept {
     case IfSilent::NextRate:
       counters_.count(RangeEvent::LineRatesTried);
       line_.next_rate();
-      faulted_ = false;
+      faulted_ = is_rate_at_fault_;
       start(now);
       break;
     case IfSilent::StartOver:
@@ -151,15 +152,24 @@ void Dialogue::answered(Stamp now) noexcept {
 
 void Dialogue::fault(Stamp now, std::string_view problem) noexcept {
   faulted_ = true;
+  is_rate_at_fault_ = false;
   problem_ = problem;
   back_off_ = std::max(back_off_, kBackOffFirst);
   rest(now);
+}
+
+void Dialogue::fault_of_rate(Stamp now, std::string_view problem) noexcept {
+  fault(now, problem);
+  is_rate_at_fault_ = true;
+  counters_.count(RangeEvent::LineRatesTried);
+  line_.next_rate();
 }
 
 void Dialogue::run(Stamp now) noexcept {
   phase_ = Phase::Running;
   line_.keep_rate();
   faulted_ = false;
+  is_rate_at_fault_ = false;
   last_heard_ = now;
   running_since_ = now;
   open_window(now);

@@ -72,6 +72,10 @@ class Dialogue {
   void answered(Stamp now) noexcept;
   /// The device works, but not for us: Faulted, and a new try later.
   void fault(Stamp now, std::string_view problem) noexcept;
+  /// The device answers at a line rate at which it cannot be used: Faulted, and it is looked for at the other
+  /// rates, for where the line rate means nothing (USB, network) it answers at every one. `problem` stays
+  /// until it works.
+  void fault_of_rate(Stamp now, std::string_view problem) noexcept;
   /// `count` readings came in.
   void heard(Stamp now, std::size_t count) noexcept;
   /// Starts over at once: the device is known to restart.
@@ -110,6 +114,7 @@ class Dialogue {
   Stamp due_{};
   Stamp back_off_{};
   bool faulted_ = false;
+  bool is_rate_at_fault_ = false;
   std::string_view problem_;
   std::size_t heard_ = 0;  ///< readings since the step or the window began
   Stamp last_heard_{};

@@ -96,7 +96,11 @@ void LwnxDriver::on_name(std::span<const std::uint8_t> data, Stamp now) noexcept
   info_.product = FixedText<32>(name);
   const std::string_view trouble = script_.meet(name, serial_.baud());
   if (!trouble.empty()) {
-    dialogue_.fault(now, trouble);
+    if (LwnxScript::is_of_rate(trouble)) {
+      dialogue_.fault_of_rate(now, trouble);
+    } else {
+      dialogue_.fault(now, trouble);
+    }
     return;
   }
   limits_ = config();

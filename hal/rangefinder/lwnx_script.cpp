@@ -184,6 +184,10 @@ std::string_view LwnxScript::plan(std::uint32_t baud) noexcept {
   return 10.0 * bytes * rate_hz_ > kLineShare * static_cast<double>(used) ? kLineTooSlow : std::string_view{};
 }
 
+bool LwnxScript::is_of_rate(std::string_view trouble) noexcept {
+  return trouble == kLineTooSlow;
+}
+
 LwnxScript::Verdict LwnxScript::judge(const LwnxPacket& packet) noexcept {
   if (product_ == nullptr || packet.id != asked_id_) {
     return Verdict::Foreign;

@@ -51,6 +51,9 @@ class LwnxScript {
   /// device counts as not known.
   [[nodiscard]] std::string_view meet(std::string_view name, std::uint32_t baud) noexcept;
 
+  /// Whether what stands in the way is the line rate, not the device.
+  [[nodiscard]] static bool is_of_rate(std::string_view trouble) noexcept;
+
   /// What a packet says of the request under way (but the name).
   [[nodiscard]] Verdict judge(const LwnxPacket& packet) noexcept;
 

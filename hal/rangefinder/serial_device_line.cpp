@@ -23,6 +23,9 @@ void SerialDeviceLine::service(Stamp now) noexcept {
   link_.service(now);
   if (link_.baud() != baud()) {
     apply_rate();
+    if (link_.is_up() && link_.baud() != baud()) {
+      next_rate();  // this adapter cannot run at it
+    }
   }
 }
 

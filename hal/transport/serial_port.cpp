@@ -15,9 +15,12 @@ namespace {
 
 constexpr std::string_view kKind = "serial port";
 
-constexpr std::array<std::string_view, 10> kEventNames = {
-    "opened",     "open_failed",      "hang_ups",     "io_errors",           "partial_writes",
-    "queue_full", "oversized_writes", "rate_refused", "low_latency_refused", "rs485_refused"};
+constexpr std::array<std::string_view, 11> kEventNames = {
+    "opened",           "open_failed",      "hang_ups",     "io_errors",           "partial_writes",
+    "queue_full",       "oversized_writes", "rate_refused", "low_latency_refused", "rs485_refused",
+    "settings_restored"};
+
+constexpr Stamp kSettingsPeriod = std::chrono::milliseconds(100);
 
 bool is_hang_up(int error) noexcept {
   return error == 0 || error == EIO || error == ENXIO || error == ENODEV;
@@ -78,6 +81,7 @@ void SerialPort::service(Stamp now) noexcept {
   look_for_hang_up();
   static_cast<void>(send_rest());
   apply_next_baud();
+  keep_settings(now);
   if (is_lost_) {
     is_lost_ = false;
     timer_.lost(now);
@@ -128,6 +132,8 @@ std::optional<OpenFailure> SerialPort::prepare(int fd) noexcept {
   }
   if (line.status == LineStatus::RateRefused) {
     counters_.count(SerialEvent::RateRefused);
+    baud_ =
+        config_.line.baud;  // a rate that was tried on another adapter at this place need not be one of this
     return OpenFailure{"the hardware refuses the line rate", 0, "configure a rate that it can do"};
   }
   if (line.status == LineStatus::FormatRefused) {
@@ -281,6 +287,25 @@ void SerialPort::apply_next_baud() noexcept {
     counters_.count(SerialEvent::RateRefused);
   }
   next_baud_ = 0;
+}
+
+/// The settings are the terminal's, not this program's: what another one has made of them is seen only by
+/// looking.
+void SerialPort::keep_settings(Stamp now) noexcept {
+  if (fd_ < 0 || next_baud_ != 0 || now < settings_due_) {
+    return;
+  }
+  settings_due_ = now + kSettingsPeriod;
+  const SerialLine line{baud_, config_.line.format};
+  if (has_settings(fd_, line)) {
+    return;
+  }
+  counters_.count(SerialEvent::SettingsRestored);
+  if (const LineResult result = make_raw(fd_, line); result.status == LineStatus::Failed) {
+    static_cast<void>(failed_io(result.error));
+  } else {
+    flush_input(fd_);
+  }
 }
 
 void SerialPort::discard_input() noexcept {

@@ -30,10 +30,12 @@ enum class SerialEvent : std::uint8_t {
   RateRefused,        ///< line rates out of bounds or not kept by the hardware
   LowLatencyRefused,  ///< the driver has no such mode; a pseudo-terminal never has
   Rs485Refused,       ///< by a pseudo-terminal, which works without
+  SettingsRestored,   ///< another program had changed the rate, the format or the mode
 };
 
 /// A terminal device as a raw line of bytes, this program's alone. It is opened by service(), at the first
-/// call and, with back-off, again after every loss, by the same path.
+/// call and, with back-off, again after every loss, by the same path. What another program makes of its
+/// settings (only root can) is undone within a tenth of a second.
 class SerialPort final : public ByteLink {
  public:
   /// The most bytes that one write takes.
@@ -67,7 +69,7 @@ class SerialPort final : public ByteLink {
   [[nodiscard]] std::span<const Counter> counters() const noexcept { return counters_.all(); }
 
  private:
-  static constexpr std::size_t kEvents = static_cast<std::size_t>(SerialEvent::Rs485Refused) + 1;
+  static constexpr std::size_t kEvents = static_cast<std::size_t>(SerialEvent::SettingsRestored) + 1;
 
   explicit SerialPort(const SerialConfig& config);
 
@@ -80,12 +82,14 @@ class SerialPort final : public ByteLink {
   [[nodiscard]] LinkStatus failed_io(int error) noexcept;
   [[nodiscard]] LinkStatus send_rest() noexcept;
   void apply_next_baud() noexcept;
+  void keep_settings(Stamp now) noexcept;
 
   const SerialConfig config_;
   std::uint32_t baud_;
   std::uint32_t next_baud_ = 0;  ///< 0: none; else the rate once the bytes written before are gone
   int fd_ = -1;
   std::uint32_t epoch_ = 0;
+  Stamp settings_due_{};  ///< when the terminal's settings are looked at next
   bool is_lost_ = false;  ///< found lost since the last service()
   ReopenTimer timer_;
   ReopenProblem problem_;

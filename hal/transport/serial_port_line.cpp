@@ -67,6 +67,15 @@ bool is_near(speed_t actual, std::uint32_t asked) noexcept {
 
 }  // namespace
 
+bool has_settings(int fd, const SerialLine& line) noexcept {
+  termios2 settings{};
+  if (::ioctl(fd, TCGETS2, &settings) != 0) {
+    return true;  // a lost port is found by reading
+  }
+  const bool has_format = (settings.c_cflag & kFormatBits) == format_bits(line.format);
+  return is_raw(settings) && is_near(settings.c_ospeed, line.baud) && (has_format || is_pseudo_terminal(fd));
+}
+
 LineResult make_raw(int fd, const SerialLine& line) noexcept {
   termios2 settings{};
   if (::ioctl(fd, TCGETS2, &settings) != 0) {

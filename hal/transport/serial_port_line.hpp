@@ -51,6 +51,9 @@ struct LineResult {
 /// Pseudo-terminals keep 8 data bits without parity whatever they are told, which is no failure.
 [[nodiscard]] LineResult make_raw(int fd, const SerialLine& line) noexcept;
 
+/// Whether the terminal still has these settings, or another program has changed them.
+[[nodiscard]] bool has_settings(int fd, const SerialLine& line) noexcept;
+
 /// Changes the rate alone, bit/s; the rate before stays when it is refused.
 [[nodiscard]] LineResult change_rate(int fd, std::uint32_t baud) noexcept;
 

@@ -44,6 +44,47 @@ TEST(LwnxDriver, FindsTheLineRate) {
   EXPECT_EQ(bench.counter("line_rates_tried"), 2u);
 }
 
+// USB and networks: the device hears at every rate, so silence leaves the driver at any of them.
+TEST(LwnxDriver, WhereTheLineRateMeansNothingASilentDeviceIsFoundAgain) {
+  for (const BaudPolicy policy : {BaudPolicy::Keep, BaudPolicy::Change}) {
+    for (const int silent_s : {1, 3, 5, 9, 14, 20}) {
+      RangeBench bench;
+      bench.has_line_rate = false;
+      LightWare device;
+      device.is_dead = true;
+      LwnxConfig config = config_at(388.0);  // too much for 9600, 19200 and 38400 baud
+      config.baud_policy = policy;
+      connect(bench, device, config);
+      bench.run(1000 * silent_s);
+      EXPECT_NE(bench.driver->state(), DeviceState::Ready);
+      device.is_dead = false;
+      EXPECT_TRUE(bench.run_until_ready(6000)) << silent_s << " s silent: " << bench.driver->problem();
+    }
+  }
+}
+
+TEST(LwnxDriver, ADeviceAtALineRateThatIsTooLowIsToldUntilItIsAtAnother) {
+  RangeBench bench;
+  bench.device_baud = 19'200;
+  LightWare device;
+  connect(bench, device, config_at(388.0));
+  for (int ms = 0; ms < 60'000; ++ms) {
+    bench.run(1);
+    if (bench.driver->state() == DeviceState::Faulted) {
+      break;
+    }
+  }
+  ASSERT_EQ(bench.driver->state(), DeviceState::Faulted);
+  const std::string problem(bench.driver->problem());
+  EXPECT_NE(problem.find("line rate is too low"), std::string::npos) << problem;
+  for (int ms = 0; ms < 30'000; ++ms) {
+    bench.run(1);
+    ASSERT_EQ(bench.driver->problem(), problem) << "it is looked for at the other rates meanwhile";
+  }
+  bench.device_baud = 115'200;
+  EXPECT_TRUE(bench.run_until_ready(30'000)) << bench.driver->problem();
+}
+
 TEST(LwnxDriver, AfterASilenceTheLineRateThatWorkedIsTriedBetweenTheOthers) {
   RangeBench bench;
   LightWare device;

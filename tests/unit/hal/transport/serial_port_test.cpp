@@ -5,8 +5,10 @@
 #include <gmock/gmock.h>
 
 #include <asm/termbits.h>
+#include <functional>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <vector>
 
 namespace slamsensor::hal {
 namespace {
@@ -113,6 +115,45 @@ TEST(SerialPort, IsFreeAgainWhenItIsClosedEvenIfAnotherHoldsTheTerminalOpen) {
   EXPECT_EQ(is_exclusive, 0);
   EXPECT_EQ(::flock(holder, LOCK_EX | LOCK_NB), 0);
   ::close(holder);
+}
+
+/// What another program does to a terminal that it has open.
+void meddle(const PseudoTerminal& terminal, const std::function<void(termios2&)>& change) {
+  termios2 settings{};
+  ASSERT_EQ(::ioctl(terminal.master(), TCGETS2, &settings), 0);
+  change(settings);
+  ASSERT_EQ(::ioctl(terminal.master(), TCSETS2, &settings), 0);
+}
+
+TEST(SerialPort, WhatAnotherProgramMakesOfItsSettingsIsUndone) {
+  const std::vector<std::function<void(termios2&)>> changes = {
+      [](termios2& settings) {
+        settings.c_cflag &= ~static_cast<tcflag_t>(CBAUD | (CBAUD << IBSHIFT));
+        settings.c_cflag |= B38400;
+      },
+      [](termios2& settings) { settings.c_lflag |= ICANON | ECHO; },
+      [](termios2& settings) { settings.c_iflag |= ICRNL | IXON; },
+      [](termios2& settings) { settings.c_oflag |= OPOST; },
+      [](termios2& settings) { settings.c_cc[VMIN] = 0; },
+  };
+  const PseudoTerminal terminal;
+  const auto port = make(terminal.path());
+  Stamp now = std::chrono::seconds(1);
+  port->service(now);
+  ASSERT_TRUE(port->is_up());
+  ASSERT_EQ(port->set_baud(115'200), LinkStatus::Ok);
+  std::uint64_t restored = 0;
+  for (const auto& change : changes) {
+    meddle(terminal, change);
+    now += std::chrono::milliseconds(100);
+    port->service(now);
+    EXPECT_EQ(counted(*port, SerialEvent::SettingsRestored), ++restored);
+    EXPECT_TRUE(has_settings(port->fd(), {115'200, {}}));
+    now += std::chrono::milliseconds(100);
+    port->service(now);
+    EXPECT_EQ(counted(*port, SerialEvent::SettingsRestored), restored) << "they are right now";
+  }
+  EXPECT_EQ(port->epoch(), 1U);
 }
 
 TEST(SerialPort, SetsTheTerminal) {
