@@ -12,8 +12,13 @@
 namespace slamsensor::firmware::rows {
 namespace {
 
+/// Whether a character is signed differs between processors.
+bool is_ascii_character(char c) {
+  return static_cast<unsigned char>(c) < 0x80;
+}
+
 bool is_ascii(std::string_view text) {
-  return std::all_of(text.begin(), text.end(), [](char c) { return c >= 0; });
+  return std::all_of(text.begin(), text.end(), is_ascii_character);
 }
 
 bool is_printable(std::string_view text) {
@@ -28,7 +33,7 @@ bool is_word(std::string_view text) {
 /// Absolute, without control characters. Bytes beyond ASCII are the file system's affair.
 bool is_path(std::string_view text, std::size_t size_max) {
   return text.starts_with('/') && text.size() <= size_max &&
-         std::none_of(text.begin(), text.end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7F'; });
+         std::none_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7F'; });
 }
 
 bool is_device_path(std::string_view text) {
