@@ -20,35 +20,38 @@ if(CMAKE_CROSSCOMPILING)
   set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
 endif()
 
-set(common "It scans with a laser rangefinder on a pan-tilt unit, picks landmarks out of each scan and finds itself
- in its own map, without odometry and without an initial pose. Its fixes are read as those of a GPS
- receiver: NMEA 0183 on a serial line or TCP, and LCM.")
+# The first line is the summary; CPack indents the rest.
+set(common "It scans with a laser rangefinder on a pan-tilt unit, picks landmarks
+out of each scan and finds itself in its own map, without odometry and
+without an initial pose. Its fixes are read as those of a GPS receiver:
+NMEA 0183 on a serial line or TCP, and LCM.
+")
 set(CPACK_COMPONENT_DAEMON_DESCRIPTION "SLAM sensor that reads like a GPS receiver
- ${common}
- .
- This package has the daemon slamsensord, its units and rules, and its configuration.")
+${common}
+This package has the daemon slamsensord, its units and rules, and its
+configuration.")
 set(CPACK_COMPONENT_TOOLS_DESCRIPTION "SLAM sensor: control, replay and simulation
- ${common}
- .
- This package has the command slamsensor: control of a running sensor, a live view, replay of
- recordings and point clouds, evaluation, simulation.")
+${common}
+This package has the command slamsensor: control of a running sensor, a
+live view, replay of recordings and point clouds, evaluation, simulation.")
 set(CPACK_COMPONENT_EMULATOR_DESCRIPTION "SLAM sensor: emulated sensor head as a service
- ${common}
- .
- This package has a service that emulates the devices of a head, and how the daemon is put on it.")
+${common}
+This package has a service that emulates the devices of a head, and how
+the daemon is put on it.")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "SLAM sensor: types of its LCM messages
- ${common}
- .
- This package has the types of the messages, for lcm-gen, and examples of programs that read them.")
+${common}
+This package has the types of the messages, for lcm-gen, and examples of
+programs that read them.")
 
 set(same "(= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DAEMON_PACKAGE_NAME slamsensor)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME slamsensor-tools)
 set(CPACK_DEBIAN_EMULATOR_PACKAGE_NAME slamsensor-emulator)
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME slamsensor-dev)
-set(CPACK_DEBIAN_DAEMON_PACKAGE_DEPENDS "systemd, udev, init-system-helpers")
+set(CPACK_DEBIAN_DAEMON_PACKAGE_DEPENDS "systemd, udev")
 set(CPACK_DEBIAN_DAEMON_PACKAGE_RECOMMENDS "slamsensor-tools ${same}, iproute2")
 set(CPACK_DEBIAN_EMULATOR_PACKAGE_DEPENDS "slamsensor ${same}, slamsensor-tools ${same}")
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS python3) # of an example
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS liblcm-bin)
 set(CPACK_DEBIAN_DEV_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_EMULATOR_PACKAGE_ARCHITECTURE all)
