@@ -54,7 +54,6 @@ std::string fix_clause(const SensorStatus& status) {
       return ' ' + fix_phrase(fix);
     case SensorState::Ambiguous:
     case SensorState::Lost:
-    case SensorState::Faulted:
       return ": " + why_none(fix);
     default:
       return status.slam.scans == 0 ? std::string() : ", " + fix_phrase(fix);
