@@ -12,9 +12,9 @@ SLOW_S = 120.0  # an emulated processor
 
 class Foreign(unittest.TestCase):
     def test_fixes_are_right(self):
-        sensor = Sensor(PROGRAMS, settings={"map.autosave_s": 0})
+        sensor = Sensor(PROGRAMS, settings={"map.autosave_s": 0, "lwnx.baud": 460800, "lwnx.rate_hz": 2000.0})
         self.addCleanup(sensor.close)
-        sensor.start_head()
+        sensor.start_head("--any-baud")  # qemu knows no rate above 460800 baud
         sensor.start()
         for move in range(3):
             if move > 0:
