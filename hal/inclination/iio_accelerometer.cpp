@@ -73,10 +73,7 @@ Content read_file(const Path& path) noexcept {
 tl::expected<std::unique_ptr<IioAccelerometer>, InitError> IioAccelerometer::create(const IioConfig& config) {
   const auto refuse = [](const std::string& message) { return tl::unexpected(InitError{message}); };
   if (config.device.empty() || config.device.size() > kDeviceNameMax) {
-    std::string message = "a device of 1 to ";  // g++ 14 takes the sum of three for an overrun
-    message += std::to_string(kDeviceNameMax);
-    message += " characters is needed";
-    return refuse(message);
+    return refuse("a device of 1 to " + std::to_string(kDeviceNameMax) + " characters is needed");
   }
   if (!(config.gravity_share_max > 0.0 && config.gravity_share_max <= 0.5)) {
     return refuse("gravity_share_max is " + std::to_string(config.gravity_share_max) +
