@@ -9,9 +9,12 @@ tl::expected<std::unique_ptr<HeadRuntime>, std::string> HeadRuntime::create(cons
     return tl::unexpected(links.error().message);
   }
   std::unique_ptr<HeadRuntime> runtime(new HeadRuntime(std::move(*links)));
-  runtime->tape_ = tape;
-  runtime->taps_.attach(tape);
-  auto drivers = make_head_drivers(config.head, runtime->taps_.get());
+  if (tape != nullptr) {
+    runtime->tape_ = tape;
+    runtime->taps_.emplace(runtime->links_.get()).attach(tape);
+  }
+  auto drivers =
+      make_head_drivers(config.head, tape != nullptr ? runtime->taps_->get() : runtime->links_.get());
   if (!drivers) {
     return tl::unexpected(drivers.error().message);
   }
@@ -22,7 +25,9 @@ tl::expected<std::unique_ptr<HeadRuntime>, std::string> HeadRuntime::create(cons
 }
 
 void HeadRuntime::leave_tape() noexcept {
-  taps_.attach(nullptr);
+  if (taps_) {
+    taps_->attach(nullptr);  // the drivers stay on them, and the devices at work
+  }
   tape_ = nullptr;
 }
 

@@ -8,6 +8,7 @@
 #include <tl/expected.hpp>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -16,8 +17,8 @@ namespace slamsensor::firmware {
 /// The sensor head as the scan thread steps it: links, drivers on them, and what leads and reads the two.
 class HeadRuntime {
  public:
-  /// The head of `config` on real links, each with a tap, which writes onto `tape` when that is not null. The
-  /// error names the setting.
+  /// The head of `config` on real links; each with a tap before it that writes onto `tape`, when that is not
+  /// null. The error names the setting.
   [[nodiscard]] static tl::expected<std::unique_ptr<HeadRuntime>, std::string> create(const Config& config,
                                                                                       TapeWriter* tape);
 
@@ -30,10 +31,10 @@ class HeadRuntime {
   void leave_tape() noexcept;
 
  private:
-  explicit HeadRuntime(OwnedHeadLinks links) : links_(std::move(links)), taps_(links_.get()) {}
+  explicit HeadRuntime(OwnedHeadLinks links) : links_(std::move(links)) {}
 
   OwnedHeadLinks links_;
-  RecordingHeadLinks taps_;
+  std::optional<RecordingHeadLinks> taps_;  // of a head that was made for a recording
   TapeWriter* tape_ = nullptr;
   HeadDrivers drivers_;
   std::unique_ptr<SensorHead> head_;

@@ -1,6 +1,7 @@
 #include "firmware/daemon/map_keeper.hpp"
 
 #include "firmware/daemon/refusal.hpp"
+#include "firmware/store/map_layout.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -11,6 +12,26 @@ namespace {
 MapMethod method_of(const core::Config& config) {
   return {config.association.tolerance_m, config.detection.range_step_m, config.detection.bearing_step_rad,
           config.association.depth, config.detection.landmarks_max};
+}
+
+constexpr std::string_view kBeforeReset = "-before-reset";
+
+std::string line_of(const MapListing& map, std::string_view in_use) {
+  std::string line = map.name + (map.name == in_use ? " (in use): " : ": ");
+  if (map.good_generations == 0) {
+    line += "no good file";
+  } else {
+    line += std::to_string(map.landmarks) + " landmarks, saved " + utc_text(map.saved_utc_s) + ", " +
+            std::to_string(map.bytes) + " bytes, " + std::to_string(map.good_generations) + " generation" +
+            (map.good_generations == 1 ? "" : "s");
+  }
+  if (map.set_aside > 0) {
+    line += ", " + std::to_string(map.set_aside) + " set aside";
+  }
+  for (const std::string& problem : map.problems) {
+    line += "\n  " + problem;
+  }
+  return line;
 }
 
 }  // namespace
@@ -42,7 +63,7 @@ void MapKeeper::load_at_start() {
   if (!loaded->warning.empty()) {
     log_.warning(loaded->warning);
   }
-  static_cast<void>(give({SlamOrder::Kind::Restore, 0, name_, std::move(*loaded)}));
+  static_cast<void>(give({MapCommand::Restore, 0, name_, std::move(*loaded)}));
 }
 
 bool MapKeeper::give(Pending pending) {
@@ -90,11 +111,9 @@ std::vector<MapKeeper::Answer> MapKeeper::step(hal::Stamp now, std::int64_t utc_
   return std::exchange(answers_, {});
 }
 
-/// Whether map and status that others see are those after the order: who has its answer may rely on them.
+/// Whether the status that others see is that after the order: who has its answer may rely on it.
 bool MapKeeper::is_published(const SlamAnswer& answer) const {
-  return threads_.publish().with_map([&](const MapSnapshot& map) {
-    return map.revision() >= answer.revision;
-  }) && threads_.publish().status().slam.map_revision >= answer.revision;
+  return threads_.publish().status().slam.map_revision >= answer.revision;
 }
 
 void MapKeeper::finish_order(hal::Stamp now) {
@@ -102,7 +121,7 @@ void MapKeeper::finish_order(hal::Stamp now) {
   const SlamAnswer answer = *std::exchange(answer_, std::nullopt);
   if (tap_ && answer.check.ok()) {
     if (pending.map && pending.map->file.about.frozen) {
-      tap_(SlamOrder::Kind::Freeze, answer);
+      tap_(MapCommand::Freeze, answer);
     }
     tap_(pending.kind, answer);
   }
@@ -118,7 +137,7 @@ void MapKeeper::finish_order(hal::Stamp now) {
 
 ControlResult MapKeeper::carried_out(const Pending& pending, const SlamAnswer& answer, hal::Stamp now) {
   switch (pending.kind) {
-    case SlamOrder::Kind::Restore: {
+    case MapCommand::Restore: {
       const MapFile& file = pending.map->file;
       if (!answer.check.ok()) {
         return refusal(ControlErrorCode::Refused,
@@ -136,19 +155,19 @@ ControlResult MapKeeper::carried_out(const Pending& pending, const SlamAnswer& a
                               (about_.frozen ? "; it is marked frozen: map unfreeze lets it grow" : ""),
                           {}};
     }
-    case SlamOrder::Kind::Reset:
+    case MapCommand::Reset:
       forget_map(answer.revision);
       about_ = {};
       about_.name = name_;
       return ControlReply{"map forgotten; the next scan begins a new one", {}};
-    case SlamOrder::Kind::Freeze:
+    case MapCommand::Freeze:
       is_frozen_ = true;
       return ControlReply{"map frozen", {}};
-    case SlamOrder::Kind::Unfreeze:
+    case MapCommand::Unfreeze:
       is_frozen_ = false;
       about_.frozen = false;
       return ControlReply{"map grows again", {}};
-    case SlamOrder::Kind::DropRivals:
+    case MapCommand::DropRivals:
       break;
   }
   return refusal(ControlErrorCode::Failed, "unknown order");
@@ -162,8 +181,7 @@ void MapKeeper::forget_map(std::uint64_t revision) {
 
 /// Of the map that is there to be saved; that of an earlier map counts as saved.
 std::uint64_t MapKeeper::revision() const {
-  return std::max(valid_from_,
-                  threads_.publish().with_map([](const MapSnapshot& map) { return map.revision(); }));
+  return std::max(valid_from_, threads_.map().read([](const MapSnapshot& map) { return map.revision(); }));
 }
 
 bool MapKeeper::is_unsaved() const {
@@ -179,7 +197,7 @@ tl::expected<std::string, StoreError> MapKeeper::store(const std::string& name, 
     about.datum = config_.datum;
   }
   // Saved from a copy: publishing does not wait for the disk.
-  threads_.publish().with_map([&](const MapSnapshot& map) { snapshot_ = map; });
+  threads_.map().read([&](const MapSnapshot& map) { snapshot_ = map; });
   if (snapshot_.empty() || snapshot_.revision() < valid_from_) {
     return store_failure(StoreFault::Missing, "there is no map to save yet; make a scan first");
   }
@@ -214,7 +232,6 @@ void MapKeeper::save_now(hal::Stamp now, std::int64_t utc_s) {
 }
 
 void MapKeeper::save_at_end(hal::Stamp now, std::int64_t utc_s) {
-  threads_.publish().refresh_map();
   if (config_.daemon.map_store.autosave_s > 0.0) {
     save_now(now, utc_s);
   }
@@ -231,10 +248,109 @@ void MapKeeper::set_config(const Config& config) {
 std::vector<std::uint8_t> MapKeeper::encoded() {
   MapAbout about = about_;
   about.method = method_of(config_.core);
-  return threads_.publish().with_map([&](const MapSnapshot& map) {
+  return threads_.map().read([&](const MapSnapshot& map) {
     return map.empty() || map.revision() < valid_from_ ? std::vector<std::uint8_t>()
                                                        : encode_map(about, map.state());
   });
+}
+
+// Requests of the control socket.
+
+ControlResult MapKeeper::list() {
+  const auto maps = store_.list();
+  if (!maps) {
+    return refusal(maps.error());
+  }
+  ControlReply reply{std::to_string(maps->size()) + " maps in " + store_.folder().string(), {}};
+  for (const MapListing& map : *maps) {
+    reply.lines.push_back(line_of(map, name_));
+  }
+  return reply;
+}
+
+ControlResult MapKeeper::info() {
+  ControlReply reply;
+  reply.lines.push_back("name: " + name_);
+  reply.lines.push_back("file: " + paths_of(store_.folder(), name_).current.string());
+  reply.lines.push_back(std::string("mode: ") + (is_frozen_ ? "frozen" : "growing"));
+  threads_.map().read([&](const MapSnapshot& map) {
+    const bool is_there = map.revision() >= valid_from_;
+    reply.lines.push_back("landmarks: " + std::to_string(is_there ? map.state().landmarks.size() : 0));
+    reply.lines.push_back("poses: " + std::to_string(is_there ? map.state().path.size() : 0));
+  });
+  const SlamStatus slam = threads_.publish().status().slam;
+  reply.lines.push_back("local maps: " + std::to_string(slam.local_maps) + ", " +
+                        std::to_string(slam.local_landmarks) +
+                        " landmarks; not saved before their place in the map is known");
+  reply.lines.push_back(std::string("unsaved changes: ") + (is_unsaved() ? "yes" : "no"));
+  if (about_.saves > 0) {
+    reply.lines.push_back("saved: " + utc_text(about_.saved_utc_s) + ", " + std::to_string(about_.saves) +
+                          " times since " + utc_text(about_.created_utc_s));
+  }
+  return reply;
+}
+
+ControlResult MapKeeper::save(std::string_view name, hal::Stamp now, std::int64_t utc_s) {
+  const std::string to(name.empty() ? name_ : name);
+  if (is_frozen_ && to == name_) {
+    return refusal(ControlErrorCode::Refused,
+                   "the map is frozen: nothing in it has changed; save it under another name or unfreeze it");
+  }
+  auto saved = store(to, now, utc_s);
+  if (!saved) {
+    return refusal(saved.error());
+  }
+  return ControlReply{*saved, {}};
+}
+
+ControlResult MapKeeper::remove(std::string_view name) {
+  if (name == name_) {
+    return refusal(ControlErrorCode::Refused, "map '" + name_ +
+                                                  "' is in use; load another one first, or map reset to "
+                                                  "forget what is in it");
+  }
+  if (auto removed = store_.remove(name); !removed) {
+    return refusal(removed.error());
+  }
+  return ControlReply{"map '" + std::string(name) + "' removed", {}};
+}
+
+ControlOutcome MapKeeper::load(ControlToken token, std::string_view name) {
+  auto loaded = store_.load(name.empty() ? name_ : name);
+  if (!loaded) {
+    return refusal(loaded.error());
+  }
+  if (!loaded->warning.empty()) {
+    log_.warning(loaded->warning);
+  }
+  return ask({MapCommand::Restore, token, std::string(name.empty() ? name_ : name), std::move(*loaded)});
+}
+
+/// What the map was before stays under a name of its own: the next saves would replace both generations.
+ControlOutcome MapKeeper::reset(ControlToken token, hal::Stamp now, std::int64_t utc_s) {
+  if (is_frozen_) {
+    return refusal(ControlErrorCode::Refused, "the map is frozen; unfreeze it first");
+  }
+  const std::string before = name_.substr(0, kMapNameMax - kBeforeReset.size()) + std::string(kBeforeReset);
+  const bool has_map = threads_.map().read(
+      [&](const MapSnapshot& map) { return !map.empty() && map.revision() >= valid_from_; });
+  if (has_map) {
+    if (auto kept = store(before, now, utc_s); !kept) {
+      return refusal(ControlErrorCode::Failed, "the map cannot be kept as '" + before +
+                                                   "' and is not forgotten: " + kept.error().message);
+    }
+  }
+  return ask({MapCommand::Reset, token, name_, std::nullopt});
+}
+
+ControlOutcome MapKeeper::set_mode(ControlToken token, MapMode mode, hal::Stamp now, std::int64_t utc_s) {
+  if (mode == MapMode::Frozen && !is_frozen_ && is_unsaved()) {
+    if (auto saved = store(name_, now, utc_s); !saved) {
+      log_.warning("the map is frozen with changes that are not saved: " + saved.error().message);
+    }
+  }
+  return ask(
+      {mode == MapMode::Frozen ? MapCommand::Freeze : MapCommand::Unfreeze, token, name_, std::nullopt});
 }
 
 }  // namespace slamsensor::firmware

@@ -29,7 +29,7 @@ class MapKeeper {
     ControlResult result;
   };
   /// Is told each order that the SLAM thread has carried out, for a recording.
-  using OrderTap = std::function<void(SlamOrder::Kind, const SlamAnswer&)>;
+  using OrderTap = std::function<void(MapCommand, const SlamAnswer&)>;
 
   /// `threads` and `log` outlive this.
   MapKeeper(const Config& config, SensorThreads& threads, Log& log, hal::Stamp now);
@@ -69,7 +69,7 @@ class MapKeeper {
 
  private:
   struct Pending {
-    SlamOrder::Kind kind = SlamOrder::Kind::Reset;
+    MapCommand kind = MapCommand::Reset;
     ControlToken token = 0;  // 0: nobody waits for an answer
     std::string name;
     std::optional<LoadedMap> map;

@@ -12,6 +12,11 @@ namespace slamsensor::firmware {
 namespace {
 
 constexpr hal::Stamp kWaitMax = std::chrono::milliseconds(100);
+constexpr hal::Stamp kLogPeriod = std::chrono::milliseconds(200);
+// A map is sent in bursts, so that a receiver with little room (LCM's default: 30 messages) gets all of it.
+constexpr std::uint32_t kMapChunksPerTurn = 8;
+// A map that does not change is repeated for those who came later.
+constexpr int kMapRepeatPeriods = 6;
 
 NmeaPublisherConfig nmea_config(const Config& config) {
   return {config.nmea, config.daemon.nmea_rate_hz, config.datum};
@@ -88,10 +93,11 @@ void PublishLoop::step(const OutputTime& now) {
   if (lcm_) {
     lcm_sink_.service(now.monotonic);
   }
-  take_fixes(now);
-  refresh_status(now.monotonic);
-  nmea_.step(now, status_);
-  publish_state_change();
+  FixMessage message;
+  while (inlets_.slam.fixes.pop(message)) {
+    answer(message, now);
+  }
+  report(now);
   publish_status(now);
   publish_map(now);
   drive_gpio(now.monotonic);
@@ -147,23 +153,32 @@ void PublishLoop::take_statuses(hal::Stamp now) {
   status_.recording = recording_ != nullptr && recording_->is_recording();
 }
 
-void PublishLoop::take_fixes(const OutputTime& now) {
-  FixMessage message;
-  while (inlets_.slam.fixes.pop(message)) {
-    tracker_.on_fix(message.fix, message.made);
-    refresh_status(now.monotonic);
-    nmea_.step(now, status_);
-    note_answer(message.scan_ended);
-    publish_fix(message);
-    if (inlets_.gpio != nullptr && status_.state == SensorState::Fixed) {
-      inlets_.gpio->on_fix(now.monotonic);
-    }
+/// A scan's fix goes to all outputs; LCM gets what was seen with it.
+void PublishLoop::answer(const FixMessage& message, const OutputTime& now) {
+  tracker_.on_fix(message.fix, message.made);
+  told_.reset();  // each fix is sent, the same one too
+  report(now);
+  answer_last_ = hal::monotonic_now() - message.scan_ended;
+  answer_max_ = std::max(answer_max_, answer_last_);
+  if (lcm_) {
+    lcm_->publish(ScanView{identity_.initialization, message.fix.scan, message.fix.time, message.seen()});
+  }
+  if (inlets_.gpio != nullptr && status_.state == SensorState::Fixed) {
+    inlets_.gpio->on_fix(now.monotonic);
   }
 }
 
-void PublishLoop::note_answer(hal::Stamp scan_ended) noexcept {
-  answer_last_ = hal::monotonic_now() - scan_ended;
-  answer_max_ = std::max(answer_max_, answer_last_);
+/// NMEA by its epochs; LCM when the fix is another: one that is withdrawn between two scans (stale, a device
+/// lost) is reported at once, and so is another reason why there is none.
+void PublishLoop::report(const OutputTime& now) {
+  refresh_status(now.monotonic);
+  nmea_.step(now, status_);
+  const core::Fix& fix = status_.report.fix;
+  const std::tuple state{fix.status, fix.reason, core::has_pose(fix)};
+  if (lcm_ && told_ != state) {
+    lcm_->publish(status_.report);
+  }
+  told_ = state;
 }
 
 void PublishLoop::refresh_status(hal::Stamp now) {
@@ -180,6 +195,72 @@ void PublishLoop::refresh_status(hal::Stamp now) {
       {{"answer_last_us", static_cast<std::uint64_t>(microseconds(answer_last_))},
        {"answer_max_us", static_cast<std::uint64_t>(microseconds(answer_max_))}}};
   status_.outputs.append(answers);
+}
+
+void PublishLoop::publish_status(const OutputTime& now) {
+  if (!lcm_ || now.monotonic < status_due_) {
+    return;
+  }
+  status_due_ = now.monotonic + hal::from_seconds(1.0 / config_.lcm.status_hz);
+  lcm_->publish(status_, now.utc);
+}
+
+void PublishLoop::publish_map(const OutputTime& now) {
+  if (!lcm_ || (!map_chunk_ && !begin_map(now.monotonic))) {
+    return;
+  }
+  const core::MapState state = map_.state();
+  const LcmMapView view{now.utc, identity_.initialization, map_.revision(), state.landmarks,
+                        state.positions_W};
+  map_chunk_ = lcm_->publish(view, map_chunk_.value_or(0), kMapChunksPerTurn);
+}
+
+/// Whether the map is to be sent now: a copy of it is there then.
+bool PublishLoop::begin_map(hal::Stamp now) {
+  const bool is_due = inlets_.slam.map.read([&](const MapSnapshot& map) {
+    const bool is_changed = now >= map_due_ && map.revision() != map_.revision();
+    const bool is_repeat = now >= map_repeat_ && map.revision() != 0;
+    if (is_changed || is_repeat) {
+      map_ = map;
+    }
+    return is_changed || is_repeat;
+  });
+  if (is_due) {
+    map_due_ = now + hal::from_seconds(config_.lcm.map_period_s);
+    map_repeat_ = now + kMapRepeatPeriods * hal::from_seconds(config_.lcm.map_period_s);
+  }
+  return is_due;
+}
+
+void PublishLoop::drive_gpio(hal::Stamp now) {
+  if (inlets_.gpio != nullptr) {
+    inlets_.gpio->step(status_.state, now);
+  }
+}
+
+void PublishLoop::log_changes(hal::Stamp now) {
+  if (now < log_due_) {
+    return;
+  }
+  log_due_ = now + kLogPeriod;
+  for (const LogEntry& entry : logger_.compare(status_)) {
+    inlets_.log.write(entry.level, entry.text);
+  }
+  log_problem("LCM", lcm_ ? lcm_sink_.problem() : std::string_view(), lcm_problem_);
+  log_problem("NMEA", nmea_.problem(), nmea_problem_);
+}
+
+/// A problem of an output when it comes, when it changes and when it goes.
+void PublishLoop::log_problem(std::string_view output, std::string_view problem, std::string& last) {
+  if (problem == last) {
+    return;
+  }
+  last = problem;
+  if (problem.empty()) {
+    inlets_.log.notice(std::string(output) + " output goes on");
+  } else {
+    inlets_.log.warning(std::string(output) + ": " + std::string(problem));
+  }
 }
 
 void PublishLoop::wait(const OutputTime& now) {

@@ -25,6 +25,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 
 namespace slamsensor::firmware {
 
@@ -79,31 +80,21 @@ class PublishLoop {
   /// Any thread: the recording is over; its file is closed when the last pointer to the session goes.
   void end_recording();
 
-  /// Any thread: calls `use(const MapSnapshot&)` with the newest map, under a lock.
-  template <typename Use>
-  auto with_map(const Use& use) {
-    const std::scoped_lock lock(map_mutex_);
-    return use(inlets_.slam.map.value());
-  }
-  /// The same with what the SLAM thread posted last; only when neither it nor the publish thread runs.
-  void refresh_map() { static_cast<void>(inlets_.slam.map.refresh()); }
-
  private:
   PublishLoop(const Config& config, const RunIdentity& identity, const PublishInlets& inlets, LcmUrl url);
 
   [[nodiscard]] tl::expected<void, std::string> open_sinks(const Config& config);
   void take_changes();
   void take_statuses(hal::Stamp now);
-  void take_fixes(const OutputTime& now);
+  void answer(const FixMessage& message, const OutputTime& now);
+  void report(const OutputTime& now);
   void refresh_status(hal::Stamp now);
-  void publish_fix(const FixMessage& message);
-  void publish_state_change();
   void publish_status(const OutputTime& now);
   void publish_map(const OutputTime& now);
+  [[nodiscard]] bool begin_map(hal::Stamp now);
   void drive_gpio(hal::Stamp now);
   void log_changes(hal::Stamp now);
   void log_problem(std::string_view output, std::string_view problem, std::string& last);
-  void note_answer(hal::Stamp scan_ended) noexcept;
 
   // What other threads hand over.
   struct Changes {
@@ -128,19 +119,18 @@ class PublishLoop {
   SupervisorFacts facts_;
   SensorStatus status_;  // of this thread
   std::shared_ptr<RecordingSession> recording_;
-  core::FixStatus told_ = core::FixStatus::NoFix;  // that LCM told last
-  core::FixReason reason_told_ = core::FixReason::NoScan;
-  bool is_pose_told_ = false;  // and whether with a pose, if only in a local map
+  // What LCM reported last, and whether with a pose, if only in a local map.
+  std::optional<std::tuple<core::FixStatus, core::FixReason, bool>> told_{
+      {core::FixStatus::NoFix, core::FixReason::NoScan, false}};
   hal::Stamp status_due_{};
   hal::Stamp map_due_{};
   hal::Stamp log_due_{};
-  std::optional<std::uint32_t> map_chunk_;  // next of the map being sent
-  std::uint64_t map_sent_ = 0;              // revision
+  MapSnapshot map_;                         // being sent: its chunks belong to one state of the map
+  std::optional<std::uint32_t> map_chunk_;  // next of it
   hal::Stamp map_repeat_{};
   hal::Stamp answer_last_{};
   hal::Stamp answer_max_{};
 
-  std::mutex map_mutex_;
   mutable std::mutex mutex_;
   SensorStatus shared_status_;
   Changes changes_;

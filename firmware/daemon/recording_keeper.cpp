@@ -18,27 +18,11 @@ std::int64_t microseconds(std::chrono::nanoseconds time) {
   return std::chrono::duration_cast<std::chrono::microseconds>(time).count();
 }
 
-std::optional<MapOrder::Kind> kind_of(SlamOrder::Kind kind) {
-  switch (kind) {
-    case SlamOrder::Kind::Reset:
-      return MapOrder::Kind::Reset;
-    case SlamOrder::Kind::Restore:
-      return MapOrder::Kind::Load;
-    case SlamOrder::Kind::Freeze:
-      return MapOrder::Kind::Freeze;
-    case SlamOrder::Kind::Unfreeze:
-      return MapOrder::Kind::Unfreeze;
-    case SlamOrder::Kind::DropRivals:
-      break;
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 RecordingKeeper::RecordingKeeper(const Config& config, SensorThreads& threads, MapKeeper& maps, Log& log)
     : config_(config), threads_(threads), maps_(maps), log_(log) {
-  maps_.set_order_tap([this](SlamOrder::Kind kind, const SlamAnswer& answer) { on_map_order(kind, answer); });
+  maps_.set_order_tap([this](MapCommand kind, const SlamAnswer& answer) { on_map_order(kind, answer); });
 }
 
 ControlOutcome RecordingKeeper::start(ControlToken token, std::string_view name, const OutputTime& now) {
@@ -70,9 +54,8 @@ std::optional<MapKeeper::Answer> RecordingKeeper::step(const OutputTime& now) {
     case Phase::Idle:
       return std::nullopt;
     case Phase::Draining:
-      if (threads_.is_slam_idle() && threads_.slam_orders().give({SlamOrder::Kind::DropRivals, {}})) {
+      if (threads_.is_slam_idle() && threads_.slam_orders().give({MapCommand::DropRivals, {}})) {
         threads_.wake_slam();
-        settled_.reset();
         phase_ = Phase::Settling;
       }
       return std::nullopt;
@@ -94,18 +77,13 @@ std::optional<MapKeeper::Answer> RecordingKeeper::step(const OutputTime& now) {
   return std::nullopt;
 }
 
-/// The recording begins when the map that the SLAM thread goes on with is here.
+/// The recording begins with the map that the SLAM thread goes on with.
 std::optional<MapKeeper::Answer> RecordingKeeper::settle(const OutputTime& now) {
-  if (!settled_) {
-    settled_ = threads_.slam_orders().answer();
-  }
-  const bool is_here = settled_ && threads_.publish().with_map([&](const MapSnapshot& map) {
-    return map.revision() >= settled_->revision;  // a request may have changed it again
-  });
-  if (!is_here) {
+  const auto settled = threads_.slam_orders().answer();
+  if (!settled) {
     return std::nullopt;
   }
-  scans_before_ = settled_->scans;
+  scans_before_ = settled->scans;
   return answer(begin(now));
 }
 
@@ -164,11 +142,10 @@ std::optional<MapKeeper::Answer> RecordingKeeper::answer(ControlResult result) {
   return MapKeeper::Answer{std::exchange(token_, 0), std::move(result)};
 }
 
-void RecordingKeeper::on_map_order(SlamOrder::Kind kind, const SlamAnswer& answer) {
-  const auto order = kind_of(kind);
-  if (session_ && phase_ == Phase::Recording && order) {
+void RecordingKeeper::on_map_order(MapCommand kind, const SlamAnswer& answer) {
+  if (session_ && phase_ == Phase::Recording) {
     const hal::Stamp utc = hal::monotonic_now() + hal::realtime_ahead();
-    session_->order(microseconds(utc), {*order, answer.scans - scans_before_});
+    session_->order(microseconds(utc), {kind, answer.scans - scans_before_});
   }
 }
 

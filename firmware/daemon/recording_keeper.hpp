@@ -52,7 +52,7 @@ class RecordingKeeper {
   [[nodiscard]] std::optional<MapKeeper::Answer> settle(const OutputTime& now);
   [[nodiscard]] ControlResult begin(const OutputTime& now);
   void leave();
-  void on_map_order(SlamOrder::Kind kind, const SlamAnswer& answer);
+  void on_map_order(MapCommand kind, const SlamAnswer& answer);
 
   Config config_;
   SensorThreads& threads_;
@@ -61,7 +61,6 @@ class RecordingKeeper {
   Phase phase_ = Phase::Idle;
   ControlToken token_ = 0;
   std::string name_;
-  std::optional<SlamAnswer> settled_;
   std::uint32_t scans_before_ = 0;
   std::shared_ptr<RecordingSession> session_;
   std::optional<std::string> failure_;

@@ -43,7 +43,7 @@ void ScanLoop::step(hal::Stamp now, const PeriodicTimer& timer) noexcept {
     tape->step(now);
   }
   head_.head().step(now);
-  hand_on(now);
+  hand_on();
   pan_tilt_watch_.step(head_.pan_tilt().state(), now);
   rangefinder_watch_.step(head_.rangefinder().state(), now);
   if (now - reported_ >= kReportPeriod) {
@@ -95,13 +95,13 @@ void ScanLoop::command(TapeCommand what, std::uint64_t argument) noexcept {
   firmware::command(head_.head(), what, argument);
 }
 
-void ScanLoop::hand_on(hal::Stamp now) noexcept {
+void ScanLoop::hand_on() noexcept {
   bool has_news = false;
   while (const auto event = head_.head().take()) {
     if (const auto* begun = std::get_if<ScanBegun>(&*event)) {
       scan_ = begun->scan;
     }
-    queue_.push(*event, now);
+    queue_.push(*event);
     has_news = true;
   }
   if (has_news) {

@@ -48,7 +48,7 @@ class ScanLoop {
   void obey(hal::Stamp now) noexcept;
   void command(TapeCommand what, std::uint64_t argument = 0) noexcept;
   void set_hold(HoldReason reason, bool is_held) noexcept;
-  void hand_on(hal::Stamp now) noexcept;
+  void hand_on() noexcept;
   void report(hal::Stamp now, const PeriodicTimer& timer) noexcept;
   void measure_rate(hal::Stamp now) noexcept;
 

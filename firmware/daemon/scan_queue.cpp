@@ -1,6 +1,7 @@
 #include "firmware/daemon/scan_queue.hpp"
 
 #include <algorithm>
+#include <variant>
 
 namespace slamsensor::firmware {
 namespace {
@@ -15,34 +16,26 @@ ScanQueue::ScanQueue(std::size_t scanlines, std::size_t readings_per_line_max)
     : readings_(2 * readings_per_line_max + 1), entries_(scanlines + kBracketsMax) {
 }
 
-bool ScanQueue::push(const HeadEvent& event, hal::Stamp now) noexcept {
-  if (const auto* line = std::get_if<Scanline>(&event)) {
-    const bool has_room = push_line(*line);
-    scanlines_dropped_ += has_room ? 0 : 1;
-    return has_room;
+bool ScanQueue::push(const HeadEvent& event) noexcept {
+  const auto* const line = std::get_if<Scanline>(&event);
+  const bool has_room = line != nullptr ? push_line(*line) : entries_.push(event);
+  if (!has_room) {
+    ++(line != nullptr ? scanlines_dropped_ : messages_dropped_);
   }
-  Entry entry;
-  if (const auto* begun = std::get_if<ScanBegun>(&event)) {
-    entry = *begun;
-  } else if (const auto* ended = std::get_if<ScanEnded>(&event)) {
-    entry = QueuedEnd{*ended, now};
-  } else {
-    entry = std::get<ScanAborted>(event);
-  }
-  const bool has_room = entries_.push(entry);
-  messages_dropped_ += has_room ? 0 : 1;
   return has_room;
 }
 
-bool ScanQueue::push_line(const Scanline& line) noexcept {
+bool ScanQueue::push_line(Scanline line) noexcept {
   const auto first = room_for(line.readings.size());
   if (!first || entries_.write_available() <= kBracketsMax) {
     return false;
   }
-  std::copy(line.readings.begin(), line.readings.end(),
-            readings_.begin() + static_cast<std::ptrdiff_t>(*first));
+  core::Reading* const room = readings_.data() + *first;
+  std::copy(line.readings.begin(), line.readings.end(), room);
+  line.readings = {room, line.readings.size()};
+  line.stamps = {};
   write_ = *first + line.readings.size();
-  return entries_.push(Place{*first, line.readings.size(), line.line});
+  return entries_.push(line);
 }
 
 /// Free readings in a row: behind the last line, else at the front. `write_ == read_` means empty, so a line
@@ -58,26 +51,19 @@ std::optional<std::size_t> ScanQueue::room_for(std::size_t count) const noexcept
   return read - write_ > count ? std::optional(write_) : std::nullopt;
 }
 
-std::optional<ScanItem> ScanQueue::take() noexcept {
+std::optional<HeadEvent> ScanQueue::take() noexcept {
   if (release_) {
     read_.store(*release_, std::memory_order_release);
     release_.reset();
   }
-  Entry entry;
-  if (!entries_.pop(entry)) {
+  HeadEvent event;
+  if (!entries_.pop(event)) {
     return std::nullopt;
   }
-  if (const auto* place = std::get_if<Place>(&entry)) {
-    release_ = place->first + place->count;
-    return QueuedScanline{{readings_.data() + place->first, place->count}, place->line};
+  if (const auto* const line = std::get_if<Scanline>(&event)) {
+    release_ = static_cast<std::size_t>(line->readings.data() - readings_.data()) + line->readings.size();
   }
-  if (const auto* begun = std::get_if<ScanBegun>(&entry)) {
-    return *begun;
-  }
-  if (const auto* ended = std::get_if<QueuedEnd>(&entry)) {
-    return *ended;
-  }
-  return std::get<ScanAborted>(entry);
+  return event;
 }
 
 }  // namespace slamsensor::firmware

@@ -2,7 +2,6 @@
 
 #include "core/reading.hpp"
 #include "firmware/scan/sensor_head.hpp"
-#include "hal/stamp.hpp"
 
 #include <boost/lockfree/spsc_queue.hpp>
 
@@ -10,26 +9,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
-#include <variant>
 #include <vector>
 
 namespace slamsensor::firmware {
-
-/// A scanline in the queue; `readings` are valid until the next one is taken.
-struct QueuedScanline {
-  std::span<const core::Reading> readings;
-  std::uint32_t line = 0;
-};
-
-/// The end of a scan, and when the scan thread came to know of it.
-struct QueuedEnd {
-  ScanEnded scan;
-  hal::Stamp queued{};
-};
-
-/// What a sensor head made, as the SLAM thread gets it.
-using ScanItem = std::variant<ScanBegun, QueuedScanline, QueuedEnd, ScanAborted>;
 
 /// From the scan thread to the SLAM thread: bounded, first in first out, neither waits. A scanline that finds
 /// no room is dropped and counted; beginnings and ends of scans have room of their own.
@@ -39,11 +21,12 @@ class ScanQueue {
   /// end: no later use meets a page fault.
   ScanQueue(std::size_t scanlines, std::size_t readings_per_line_max);
 
-  /// Scan thread: copies `event` to the end, at `now`. False when it was dropped.
-  bool push(const HeadEvent& event, hal::Stamp now) noexcept;
+  /// Scan thread: copies `event` to the end. False when it was dropped.
+  bool push(const HeadEvent& event) noexcept;
 
-  /// SLAM thread: the oldest message, which frees the readings of the one before; none when there is none.
-  [[nodiscard]] std::optional<ScanItem> take() noexcept;
+  /// SLAM thread: the oldest event, which frees the readings of the one before; none when there is none. Of a
+  /// scanline `readings` are valid until the next call, and `stamps` are left out.
+  [[nodiscard]] std::optional<HeadEvent> take() noexcept;
 
   /// Any thread: nothing lies in it at this moment.
   [[nodiscard]] bool is_empty() const noexcept { return entries_.read_available() == 0; }
@@ -53,19 +36,11 @@ class ScanQueue {
   [[nodiscard]] std::uint64_t messages_dropped() const noexcept { return messages_dropped_.load(); }
 
  private:
-  /// Of the scanline's readings in the buffer.
-  struct Place {
-    std::size_t first = 0;
-    std::size_t count = 0;
-    std::uint32_t line = 0;
-  };
-  using Entry = std::variant<ScanBegun, Place, QueuedEnd, ScanAborted>;
-
-  [[nodiscard]] bool push_line(const Scanline& line) noexcept;
+  [[nodiscard]] bool push_line(Scanline line) noexcept;
   [[nodiscard]] std::optional<std::size_t> room_for(std::size_t count) const noexcept;
 
   std::vector<core::Reading> readings_;
-  boost::lockfree::spsc_queue<Entry> entries_;
+  boost::lockfree::spsc_queue<HeadEvent> entries_;
   std::size_t write_ = 0;               // scan thread: where the next readings go
   std::atomic<std::size_t> read_{0};    // up to here the SLAM thread has no more use for them
   std::optional<std::size_t> release_;  // SLAM thread: what `read_` becomes at the next take

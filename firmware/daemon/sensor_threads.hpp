@@ -56,6 +56,8 @@ class SensorThreads {
   [[nodiscard]] bool is_realtime() const noexcept { return is_realtime_; }
   [[nodiscard]] ScanOrders& scan_orders() noexcept { return scan_orders_; }
   [[nodiscard]] SlamOrders& slam_orders() noexcept { return slam_orders_; }
+  /// The home map as the SLAM thread has it.
+  [[nodiscard]] MapOutlet& map() noexcept { return slam_outlets_.map; }
   /// An order was given.
   void wake_slam() noexcept { slam_wakeup_.notify(); }
   [[nodiscard]] PublishLoop& publish() noexcept { return *publish_; }

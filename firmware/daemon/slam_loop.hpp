@@ -18,6 +18,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <span>
 
 namespace slamsensor::firmware {
@@ -35,13 +36,35 @@ struct FixMessage {
   }
 };
 
-/// Where the SLAM thread puts what others read; each has one reader.
+/// The home map from the SLAM thread, which never waits, to those who save and send it.
+class MapOutlet {
+ public:
+  explicit MapOutlet(const core::Capacities& capacities) : mailbox_(MapSnapshot(capacities)) {}
+
+  /// SLAM thread: room for the map that is posted next.
+  [[nodiscard]] MapSnapshot& draft() noexcept { return mailbox_.draft(); }
+  void post() noexcept { mailbox_.post(); }
+
+  /// Any other thread: calls `use(const MapSnapshot&)` with the newest map, under a lock.
+  template <typename Use>
+  auto read(const Use& use) {
+    const std::scoped_lock lock(mutex_);
+    static_cast<void>(mailbox_.refresh());
+    return use(mailbox_.value());
+  }
+
+ private:
+  std::mutex mutex_;  // between the readers
+  Mailbox<MapSnapshot> mailbox_;
+};
+
+/// Where the SLAM thread puts what others read. Fixes and status are the publish thread's alone.
 struct SlamOutlets {
-  explicit SlamOutlets(const core::Capacities& capacities) : map(MapSnapshot(capacities)) {}
+  explicit SlamOutlets(const core::Capacities& capacities) : map(capacities) {}
 
   boost::lockfree::spsc_queue<FixMessage> fixes{8};
   Mailbox<SlamStatus> status;
-  Mailbox<MapSnapshot> map;
+  MapOutlet map;
 };
 
 /// Clocks that the SLAM thread is lent. `monotonic` is asked during a search; `utc_ahead` is by how much UTC
@@ -73,10 +96,9 @@ class SlamLoop {
 
  private:
   void carry_out(const SlamOrder& order) noexcept;
-  void begin_from_home_map() noexcept;
-  void take(const ScanItem& message, const SlamClock& clock) noexcept;
-  void localise(const QueuedEnd& end, const SlamClock& clock) noexcept;
-  void give_up(const ScanAborted& scan, const SlamClock& clock) noexcept;
+  void take(const HeadEvent& event, const SlamClock& clock) noexcept;
+  void answer(const core::Fix& fix, const ScanEnded& scan, hal::Stamp now) noexcept;
+  void void_fix(const ScanAborted& scan, const SlamClock& clock) noexcept;
   void send(const core::Fix& fix, hal::Stamp now) noexcept;
   void post_map() noexcept;
   void post_status() noexcept;

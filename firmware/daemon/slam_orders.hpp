@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/mapping/map_state.hpp"
+#include "firmware/recording/map_order.hpp"
 
 #include <atomic>
 #include <cstdint>
@@ -8,17 +9,10 @@
 
 namespace slamsensor::firmware {
 
-/// What the SLAM thread is told to do with its map, between two scans.
+/// What the SLAM thread is told to do with its maps, between two scans.
 struct SlamOrder {
-  enum class Kind : std::uint8_t {
-    Reset,    ///< forget everything
-    Restore,  ///< go on from `state`
-    Freeze,
-    Unfreeze,
-    DropRivals,  ///< go on with the home map alone, as after a Restore of it
-  };
-  Kind kind = Kind::Reset;
-  core::MapState state;                    ///< what it points to stays until the order is answered
+  MapCommand kind = MapCommand::Reset;
+  core::MapState state;  ///< of a Restore; what it points to stays until the order is answered
   core::Frozen frozen = core::Frozen::No;  ///< with Restore: freeze too; else the mode stays as it is
 };
 

@@ -20,7 +20,7 @@ std::optional<MapOrder> parse_map_order(std::string_view text) noexcept {
     if (text.substr(0, space) != kKinds[kind]) {
       continue;
     }
-    MapOrder order{static_cast<MapOrder::Kind>(kind)};
+    MapOrder order{static_cast<MapCommand>(kind)};
     const char* const end = text.data() + text.size();
     const auto [rest, error] = std::from_chars(text.data() + space + 1, end, order.scan);
     return error == std::errc() && rest == end ? std::optional(order) : std::nullopt;

@@ -132,7 +132,7 @@ void SensorHead::act(SchedulerAction action, hal::Stamp now) noexcept {
     case SchedulerAction::LineEnded:
       return assembler_.end_line(pan_tilt_.axis(hal::Axis::Pan).move, now);
     case SchedulerAction::PassEnded:
-      return end_pass();
+      return end_pass(now);
     case SchedulerAction::PassAborted:
       return abort_pass();
   }
@@ -163,7 +163,7 @@ void SensorHead::begin_line() noexcept {
                          plan.pan_resolution_rad, plan.tilt_resolution_rad});
 }
 
-void SensorHead::end_pass() noexcept {
+void SensorHead::end_pass(hal::Stamp now) noexcept {
   calibration_due_ = true;
   scan_attitude_.reset();
   failure_.on_pass();
@@ -178,6 +178,7 @@ void SensorHead::end_pass() noexcept {
   }
   scan_.middle = scan_.begin + (scan_.end - scan_.begin) / 2;
   scan_.lines_rejected = scheduler_.lines_rejected() + lines_loose_;
+  scan_.known = now;
   push(scan_);
 }
 

@@ -39,6 +39,7 @@ struct ScanEnded {
   hal::Stamp end{};
   std::uint32_t lines = 0;           ///< handed out
   std::uint32_t lines_rejected = 0;  ///< swept, but not fit to be handed out
+  hal::Stamp known{};                ///< when the head came to know of the end
 };
 
 /// A scan was given up; what its scanlines showed is to be forgotten.
@@ -47,6 +48,7 @@ struct ScanAborted {
   ScanAbort reason = ScanAbort::PanTiltLost;
 };
 
+/// What a sensor head does, in its order: to the SLAM thread (ScanQueue), from a tape, in a test.
 using HeadEvent = std::variant<ScanBegun, Scanline, ScanEnded, ScanAborted>;
 
 enum class HeadEventCount : std::uint8_t {
@@ -116,7 +118,7 @@ class SensorHead {
   void act(SchedulerAction action, hal::Stamp now) noexcept;
   void begin_pass() noexcept;
   void begin_line() noexcept;
-  void end_pass() noexcept;
+  void end_pass(hal::Stamp now) noexcept;
   void abort_pass() noexcept;
   void finish_line(hal::Stamp now) noexcept;
   void hand_out(const Scanline& line) noexcept;

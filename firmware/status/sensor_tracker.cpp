@@ -4,6 +4,7 @@ namespace slamsensor::firmware {
 
 void SensorTracker::on_fix(const core::Fix& fix, hal::Stamp made) {
   fix_ = fix;
+  void_.reset();
   made_ = made;
   if (fix.status == core::FixStatus::Fix && !time_to_first_fix_) {
     time_to_first_fix_ = made - start_;
@@ -18,43 +19,48 @@ void SensorTracker::on_head(const HeadStatus& head) {
   is_held_ = head.held;
   is_timing_in_doubt_ = head.timing_in_doubt;
   is_failing_ = head.failing;
-  if (fix_ && (!all_ready_ || is_held_ || is_failing_)) {
-    // Nobody looked meanwhile: where the sensor was is a fix again when the next scan says so.
-    fix_->status = core::FixStatus::NoFix;
-    fix_->reason = core::FixReason::Device;
-  } else if (fix_ && is_timing_in_doubt_) {
-    fix_->status = core::FixStatus::NoFix;
-    fix_->reason = core::FixReason::Timing;
+  if (!all_ready_ || is_held_ || is_failing_) {
+    void_ = core::FixReason::Device;  // until the next scan: nobody looked meanwhile
+  } else if (is_timing_in_doubt_) {
+    void_ = core::FixReason::Timing;
   }
 }
 
-bool SensorTracker::is_stale(hal::Stamp now) const {
-  return now - made_ > hal::from_seconds(config_.stale_s);
-}
-
-SensorState SensorTracker::state(hal::Stamp now) const {
+/// The one place that decides whether there is a fix.
+SensorTracker::Judgement SensorTracker::judge(hal::Stamp now) const {
   if (!were_ready_) {
-    return SensorState::Starting;
+    return {SensorState::Starting, core::FixReason::Device};
   }
   if (!all_ready_) {
-    return SensorState::Faulted;
+    return {SensorState::Faulted, core::FixReason::Device};
   }
   if (is_held_) {
-    return SensorState::Held;
+    return {SensorState::Held, core::FixReason::Device};
   }
   if (is_failing_) {
-    return SensorState::Faulted;
+    return {SensorState::Faulted, core::FixReason::Device};
   }
   if (is_timing_in_doubt_) {
-    return SensorState::Lost;
+    return {SensorState::Lost, core::FixReason::Timing};
   }
   if (!fix_) {
-    return SensorState::Scanning;
+    return {SensorState::Scanning, core::FixReason::NoScan};
   }
-  if (is_stale(now) || fix_->status == core::FixStatus::NoFix) {
-    return SensorState::Lost;
+  if (now - made_ > hal::from_seconds(config_.stale_s)) {
+    return {SensorState::Lost, core::FixReason::Stale};
   }
-  return fix_->status == core::FixStatus::Fix ? SensorState::Fixed : SensorState::Ambiguous;
+  if (void_) {
+    return {SensorState::Lost, void_};
+  }
+  switch (fix_->status) {
+    case core::FixStatus::Fix:
+      return {SensorState::Fixed, std::nullopt};
+    case core::FixStatus::Ambiguous:
+      return {SensorState::Ambiguous, std::nullopt};
+    case core::FixStatus::NoFix:
+      break;
+  }
+  return {SensorState::Lost, std::nullopt};
 }
 
 FixReport SensorTracker::report(hal::Stamp now) const {
@@ -67,26 +73,9 @@ FixReport SensorTracker::report(hal::Stamp now) const {
   if (fix_) {
     report.fix = *fix_;
   }
-  switch (state(now)) {
-    case SensorState::Starting:
-    case SensorState::Faulted:
-    case SensorState::Held:
-      report.fix.status = core::FixStatus::NoFix;
-      report.fix.reason = core::FixReason::Device;
-      break;
-    case SensorState::Lost:
-      if (is_timing_in_doubt_) {
-        report.fix.status = core::FixStatus::NoFix;
-        report.fix.reason = core::FixReason::Timing;
-      } else if (is_stale(now)) {
-        report.fix.status = core::FixStatus::NoFix;
-        report.fix.reason = core::FixReason::Stale;
-      }
-      break;
-    case SensorState::Scanning:
-    case SensorState::Fixed:
-    case SensorState::Ambiguous:
-      break;
+  if (const auto reason = judge(now).void_because) {
+    report.fix.status = core::FixStatus::NoFix;
+    report.fix.reason = *reason;
   }
   return report;
 }

@@ -36,18 +36,23 @@ class SensorTracker {
   /// The map was replaced or forgotten: what was a fix in the former one is none in this one.
   void on_new_map() { fix_.reset(); }
 
-  [[nodiscard]] SensorState state(hal::Stamp now) const;
+  [[nodiscard]] SensorState state(hal::Stamp now) const { return judge(now).state; }
   /// Every field as of `now`: the status is Fix in the state Fixed alone.
   [[nodiscard]] FixReport report(hal::Stamp now) const;
 
  private:
-  [[nodiscard]] bool is_stale(hal::Stamp now) const;
+  struct Judgement {
+    SensorState state = SensorState::Starting;
+    std::optional<core::FixReason> void_because;  // the last fix does not count any more
+  };
+  [[nodiscard]] Judgement judge(hal::Stamp now) const;
 
   FixConfig config_;
   SourceMode source_;
   std::uint64_t initialization_;
   hal::Stamp start_;
   std::optional<core::Fix> fix_;
+  std::optional<core::FixReason> void_;  // something that happened since
   hal::Stamp made_{};
   std::optional<hal::Stamp> time_to_first_fix_;
   bool all_ready_ = false;

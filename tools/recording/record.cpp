@@ -222,30 +222,27 @@ class Drive {
     sensor_->step(head_->now());
     bool has_ended = false;
     while (const auto event = sensor_->take()) {
+      const auto fix = pipeline_.take(*event, Stamp{}, core::Deadline{});
       if (const auto* line = std::get_if<firmware::Scanline>(&*event)) {
-        pipeline_.slam().add_scanline(line->readings);
         readings_ += line->readings.size();
       } else if (const auto* ended = std::get_if<firmware::ScanEnded>(&*event)) {
-        localise(*ended);
+        keep(*fix, *ended);
         has_ended = true;
       } else {
         summary_.scans_aborted += std::holds_alternative<firmware::ScanAborted>(*event) ? 1 : 0;
-        pipeline_.slam().drop_scan();
         readings_ = 0;
       }
     }
     return has_ended;
   }
 
-  void localise(const firmware::ScanEnded& scan) {
-    const core::ScanTime time{scan.begin, scan.middle, scan.end, scan.end};
-    const core::Fix fix = pipeline_.slam().finish_scan(time, core::Deadline{});
+  void keep(const core::Fix& fix, const firmware::ScanEnded& scan) {
     messages_->write(fix, pipeline_.slam().scan_landmarks(), head_->now());
     ++summary_.scans;
     summary_.fixes += fix.status == core::FixStatus::Fix ? 1 : 0;
     summary_.readings += std::exchange(readings_, 0);
     summary_.truth.push_back(
-        {static_cast<double>(time.middle_utc.count()) / 1e9, head_->head().visits().back().visit.pose_W});
+        {static_cast<double>(scan.middle.count()) / 1e9, head_->head().visits().back().visit.pose_W});
   }
 
   std::unique_ptr<InProcessHead> head_;

@@ -211,19 +211,18 @@ class TapeReplay {
  public:
   TapeReplay(const RecordingFile& recording, const firmware::Config& config)
       : recording_(recording), run_(config, ReplayClock::Off), orders_left_(recording.orders) {
-    slam().set_frozen(config.daemon.map_store.frozen ? core::Frozen::Yes : core::Frozen::No);
+    if (config.daemon.map_store.frozen) {
+      change_maps(firmware::MapCommand::Freeze);
+    }
     load_map(config.core.capacities);
   }
 
   /// The row of a scan that has ended, null for what else a head does.
   const FixRow* take(const firmware::HeadEvent& event) {
-    if (const auto* line = std::get_if<firmware::Scanline>(&event)) {
-      slam().add_scanline(line->readings);
-    } else if (const auto* ended = std::get_if<firmware::ScanEnded>(&event)) {
+    if (const auto* ended = std::get_if<firmware::ScanEnded>(&event)) {
       return &localise(*ended);
-    } else {
-      slam().drop_scan();
     }
+    static_cast<void>(run_.pipeline().take(event, utc_ahead_, {}));
     return nullptr;
   }
 
@@ -237,7 +236,9 @@ class TapeReplay {
   }
 
  private:
-  core::Slam& slam() { return run_.pipeline().slam(); }
+  core::MapCheck change_maps(firmware::MapCommand command, const core::MapState& state = {}) {
+    return run_.pipeline().carry_out(command, state, core::Frozen::No, room_);
+  }
   void note(const std::string& what) { run_.result().notes.push_back(what); }
 
   void load_map(const core::Capacities& capacities) {
@@ -245,23 +246,18 @@ class TapeReplay {
       return;
     }
     const auto file = firmware::decode_map(recording_.map, capacities);
-    if (!file || !slam().restore(file->state()).ok()) {
+    if (!file || !change_maps(firmware::MapCommand::Restore, file->state()).ok()) {
       note(recording_.path.string() + ": the map that the run began with cannot be loaded: " +
            (file ? "the settings have no room for it" : file.error().message));
     }
   }
 
   void carry_out(const MapOrder& order) {
-    switch (order.kind) {
-      case MapOrder::Kind::Reset:
-        return slam().reset();
-      case MapOrder::Kind::Freeze:
-        return slam().set_frozen(core::Frozen::Yes);
-      case MapOrder::Kind::Unfreeze:
-        return slam().set_frozen(core::Frozen::No);
-      case MapOrder::Kind::Load:
-        note("another map was loaded before scan " + std::to_string(order.scan) +
-             " of the recording, which does not hold it: fixes differ from there on");
+    if (order.kind == firmware::MapCommand::Restore) {
+      note("another map was loaded before scan " + std::to_string(order.scan) +
+           " of the recording, which does not hold it: fixes differ from there on");
+    } else {
+      change_maps(order.kind);
     }
   }
 
@@ -278,10 +274,9 @@ class TapeReplay {
     const auto sent = recording_.fixes.find(scan.end);
     const bool is_known = sent != recording_.fixes.end();
     utc_ahead_ = is_known ? sent->second.time.end_utc - scan.end : utc_ahead_;
-    const core::ScanTime time{scan.begin + utc_ahead_, scan.middle + utc_ahead_, scan.end + utc_ahead_,
-                              scan.end};
-    const FixRow& row = run_.add(scan.scan, middle_of(time), [&](const core::Deadline& deadline) {
-      return slam().finish_scan(time, deadline);
+    const double middle_s = static_cast<double>((scan.middle + utc_ahead_).count()) / 1e9;
+    const FixRow& row = run_.add(scan.scan, middle_s, [&](const core::Deadline& deadline) {
+      return *run_.pipeline().take(scan, utc_ahead_, deadline);
     });
     if (is_known) {
       ++run_.result().fixes_compared;
@@ -293,7 +288,8 @@ class TapeReplay {
   const RecordingFile& recording_;
   ReplayRun run_;
   std::span<const MapOrder> orders_left_;
-  hal::Stamp utc_ahead_{};  // UTC less monotonic, as the last scan's fix says
+  firmware::MapSnapshot room_;  // of orders that a recording never has
+  hal::Stamp utc_ahead_{};      // UTC less monotonic, as the last scan's fix says
 };
 
 tl::expected<Replay, InputError> replay_tape(const RecordingFile& recording, const firmware::Config& config,

@@ -10,7 +10,6 @@ namespace slamsensor::firmware {
 namespace {
 
 constexpr std::uint32_t kSeed = 20261123;
-constexpr hal::Stamp kNow = std::chrono::seconds(5);
 
 std::vector<core::Reading> readings_of(std::size_t count, double first) {
   std::vector<core::Reading> readings(count);
@@ -31,39 +30,39 @@ Scanline line_of(std::span<const core::Reading> readings, std::uint32_t number) 
 TEST(ScanQueue, HandsOverInOrder) {
   ScanQueue queue(4, 100);
   const auto readings = readings_of(100, 5.0);
-  EXPECT_TRUE(queue.push(ScanBegun{3}, kNow));
-  EXPECT_TRUE(queue.push(line_of(readings, 9), kNow));
-  EXPECT_TRUE(queue.push(ScanAborted{3, ScanAbort::PanStalled}, kNow));
-  EXPECT_TRUE(queue.push(ScanEnded{.scan = 4, .lines = 7}, kNow));
+  EXPECT_TRUE(queue.push(ScanBegun{3}));
+  EXPECT_TRUE(queue.push(line_of(readings, 9)));
+  EXPECT_TRUE(queue.push(ScanAborted{3, ScanAbort::PanStalled}));
+  EXPECT_TRUE(queue.push(ScanEnded{.scan = 4, .lines = 7}));
 
   EXPECT_EQ(std::get<ScanBegun>(*queue.take()).scan, 3U);
-  const auto line = std::get<QueuedScanline>(*queue.take());
+  const auto line = std::get<Scanline>(*queue.take());
   EXPECT_EQ(line.line, 9U);
   ASSERT_EQ(line.readings.size(), 100U);
   EXPECT_EQ(line.readings[99].range_m, 104.0);
   EXPECT_EQ(std::get<ScanAborted>(*queue.take()).reason, ScanAbort::PanStalled);
-  EXPECT_EQ(std::get<QueuedEnd>(*queue.take()).scan.lines, 7U);
+  EXPECT_EQ(std::get<ScanEnded>(*queue.take()).lines, 7U);
   EXPECT_FALSE(queue.take());
 }
 
 TEST(ScanQueue, ScanlinesWithoutRoomAreDroppedAndCountedButMarksGoThrough) {
   ScanQueue queue(2, 100);
   const auto readings = readings_of(100, 0.0);
-  EXPECT_TRUE(queue.push(line_of(readings, 0), kNow));
-  EXPECT_TRUE(queue.push(line_of(readings, 1), kNow));
-  EXPECT_FALSE(queue.push(line_of(readings, 2), kNow));
-  EXPECT_TRUE(queue.push(ScanEnded{}, kNow));
+  EXPECT_TRUE(queue.push(line_of(readings, 0)));
+  EXPECT_TRUE(queue.push(line_of(readings, 1)));
+  EXPECT_FALSE(queue.push(line_of(readings, 2)));
+  EXPECT_TRUE(queue.push(ScanEnded{}));
   EXPECT_EQ(queue.scanlines_dropped(), 1U);
   EXPECT_EQ(queue.messages_dropped(), 0U);
 
-  EXPECT_EQ(std::get<QueuedScanline>(*queue.take()).line, 0U);
-  EXPECT_EQ(std::get<QueuedScanline>(*queue.take()).line, 1U);
-  EXPECT_TRUE(std::holds_alternative<QueuedEnd>(*queue.take()));
+  EXPECT_EQ(std::get<Scanline>(*queue.take()).line, 0U);
+  EXPECT_EQ(std::get<Scanline>(*queue.take()).line, 1U);
+  EXPECT_TRUE(std::holds_alternative<ScanEnded>(*queue.take()));
 }
 
 TEST(ScanQueue, CountsMarksThatFindNoRoom) {
   ScanQueue queue(2, 10);
-  while (queue.push(ScanBegun{}, kNow)) {
+  while (queue.push(ScanBegun{})) {
   }
   EXPECT_EQ(queue.messages_dropped(), 1U);
 }
@@ -74,8 +73,8 @@ TEST(ScanQueue, ALineOfFullLengthAlwaysFitsIntoAnEmptyQueue) {
   ScanQueue queue(4, 50);
   for (std::uint32_t i = 0; i < 10'000; ++i) {
     const auto readings = readings_of(random() % 4 == 0 ? 50 : random() % 51, i);
-    ASSERT_TRUE(queue.push(line_of(readings, i), kNow)) << i;
-    const auto line = std::get<QueuedScanline>(*queue.take());
+    ASSERT_TRUE(queue.push(line_of(readings, i))) << i;
+    const auto line = std::get<Scanline>(*queue.take());
     ASSERT_EQ(line.line, i);
     ASSERT_EQ(line.readings.size(), readings.size());
     ASSERT_FALSE(queue.take());
@@ -91,9 +90,9 @@ TEST(ScanQueue, TwoThreadsLoseNothingUnseen) {
     std::mt19937 random(kSeed);
     for (std::uint32_t i = 0; i < kLines; ++i) {
       const auto readings = readings_of(1 + random() % 64, i);
-      pushed += queue.push(line_of(readings, i), kNow) ? 1U : 0U;
+      pushed += queue.push(line_of(readings, i)) ? 1U : 0U;
     }
-    while (!queue.push(ScanEnded{}, kNow)) {
+    while (!queue.push(ScanEnded{})) {
       std::this_thread::yield();
     }
   });
@@ -104,7 +103,7 @@ TEST(ScanQueue, TwoThreadsLoseNothingUnseen) {
     const auto message = queue.take();
     if (!message) {
       std::this_thread::yield();
-    } else if (const auto* line = std::get_if<QueuedScanline>(&*message)) {
+    } else if (const auto* line = std::get_if<Scanline>(&*message)) {
       in_order = in_order && line->line >= next && !line->readings.empty();
       for (std::size_t i = 0; i < line->readings.size(); ++i) {
         in_order = in_order && line->readings[i].range_m == static_cast<double>(line->line + i);

@@ -51,16 +51,16 @@ class SlamLoopTest : public testing::Test {
   /// Scans at `x_m`, and gives what the loop sends.
   std::optional<FixMessage> scan_at(double x_m, Place place = Place::Posts) {
     const std::vector<core::Reading> readings = sweep_from(x_m, place);
-    queue.push(ScanBegun{}, kNow);
+    queue.push(ScanBegun{});
     for (std::uint32_t line = 0; line < 3; ++line) {
       Scanline scanline;
       scanline.readings = readings;
       scanline.line = line;
-      EXPECT_TRUE(queue.push(scanline, kNow));
+      EXPECT_TRUE(queue.push(scanline));
       run();
     }
-    queue.push(ScanEnded{.begin = kNow - seconds(3), .middle = kNow - seconds(2), .end = kNow, .lines = 3},
-               kNow);
+    queue.push(ScanEnded{
+        .begin = kNow - seconds(3), .middle = kNow - seconds(2), .end = kNow, .lines = 3, .known = kNow});
     run();
     FixMessage message;
     return outlets.fixes.pop(message) ? std::optional(message) : std::nullopt;
@@ -72,8 +72,7 @@ class SlamLoopTest : public testing::Test {
   }
 
   std::uint64_t revision() {
-    static_cast<void>(outlets.map.refresh());
-    return outlets.map.value().revision();
+    return outlets.map.read([](const MapSnapshot& map) { return map.revision(); });
   }
 
   Config config;
@@ -113,8 +112,8 @@ TEST_F(SlamLoopTest, AStopEndsASearchAndItsScanHasNoResult) {
 
 TEST_F(SlamLoopTest, OrdersComeBeforeScansAndAreAnswered) {
   ASSERT_TRUE(scan_at(0.0));
-  ASSERT_TRUE(orders.give({SlamOrder::Kind::Freeze, {}}));
-  EXPECT_FALSE(orders.give({SlamOrder::Kind::Reset, {}})) << "one at a time";
+  ASSERT_TRUE(orders.give({MapCommand::Freeze, {}}));
+  EXPECT_FALSE(orders.give({MapCommand::Reset, {}})) << "one at a time";
   EXPECT_FALSE(orders.answer());
   run();
   const auto frozen = orders.answer();
@@ -128,7 +127,7 @@ TEST_F(SlamLoopTest, OrdersComeBeforeScansAndAreAnswered) {
   ASSERT_TRUE(outlets.status.refresh());
   EXPECT_TRUE(outlets.status.value().frozen);
 
-  ASSERT_TRUE(orders.give({SlamOrder::Kind::Reset, {}}));
+  ASSERT_TRUE(orders.give({MapCommand::Reset, {}}));
   run();
   ASSERT_TRUE(orders.answer());
   ASSERT_TRUE(outlets.status.refresh());
@@ -140,7 +139,7 @@ TEST_F(SlamLoopTest, AMapMarkedFrozenIsFrozenBeforeTheNextScan) {
   static_cast<void>(outlets.map.refresh());
   const MapSnapshot kept = outlets.map.value();
   ASSERT_TRUE(
-      orders.give({.kind = SlamOrder::Kind::Restore, .state = kept.state(), .frozen = core::Frozen::Yes}));
+      orders.give({.kind = MapCommand::Restore, .state = kept.state(), .frozen = core::Frozen::Yes}));
   run();
   ASSERT_TRUE(orders.answer());
   const std::uint64_t before = revision();
@@ -176,7 +175,7 @@ TEST_F(SlamLoopTest, AfterRivalsWereDroppedItGoesOnAsOneThatHasTheMapAlone) {
     ASSERT_TRUE(scan_at(x_m));
   }
   ASSERT_TRUE(scan_at(0.0, Place::Mirrored));
-  ASSERT_TRUE(orders.give({SlamOrder::Kind::DropRivals, {}}));
+  ASSERT_TRUE(orders.give({MapCommand::DropRivals, {}}));
   run();
   const auto answer = orders.answer();
   ASSERT_TRUE(answer);
@@ -185,14 +184,14 @@ TEST_F(SlamLoopTest, AfterRivalsWereDroppedItGoesOnAsOneThatHasTheMapAlone) {
   ASSERT_TRUE(outlets.status.refresh());
   EXPECT_EQ(outlets.status.value().local_maps, 0U);
   Pipeline replayed(config.core);
-  ASSERT_TRUE(replayed.slam().restore(outlets.map.value().state()).ok());
+  MapSnapshot room(config.core.capacities);
+  outlets.map.read([&](const MapSnapshot& map) {
+    EXPECT_TRUE(replayed.carry_out(MapCommand::Restore, map.state(), core::Frozen::No, room).ok());
+  });
   for (const double x_m : {2.0, 0.0, 1.0, 3.0}) {
     const auto message = scan_at(x_m);
     ASSERT_TRUE(message);
-    for (int line = 0; line < 3; ++line) {
-      replayed.slam().add_scanline(sweep_from(x_m, Place::Posts));
-    }
-    const core::Fix fix = replayed.slam().finish_scan({}, {});
+    const core::Fix fix = replayed.process(std::vector(3, sweep_from(x_m, Place::Posts)), {}, {});
     EXPECT_NEAR(message->fix.pose_W.x_m, x_m, 0.2);
     EXPECT_EQ(fix.status, message->fix.status) << x_m;
     EXPECT_EQ(fix.pose_W.x_m, message->fix.pose_W.x_m) << x_m;
@@ -205,18 +204,18 @@ TEST_F(SlamLoopTest, AfterRivalsWereDroppedItGoesOnAsOneThatHasTheMapAlone) {
 
 TEST_F(SlamLoopTest, AMoveOfTheCarrierAndTimingInDoubtTakeTheFixBack) {
   ASSERT_TRUE(scan_at(0.0));
-  queue.push(ScanAborted{1, ScanAbort::CarrierMoved}, kNow);
+  queue.push(ScanAborted{1, ScanAbort::CarrierMoved});
   run();
   FixMessage message;
   ASSERT_TRUE(outlets.fixes.pop(message));
   EXPECT_EQ(message.fix.status, core::FixStatus::NoFix);
   EXPECT_EQ(message.fix.reason, core::FixReason::Moved);
-  queue.push(ScanAborted{2, ScanAbort::TimingInDoubt}, kNow);
+  queue.push(ScanAborted{2, ScanAbort::TimingInDoubt});
   run();
   ASSERT_TRUE(outlets.fixes.pop(message));
   EXPECT_EQ(message.fix.status, core::FixStatus::NoFix);
   EXPECT_EQ(message.fix.reason, core::FixReason::Timing);
-  queue.push(ScanAborted{3, ScanAbort::PanTiltLost}, kNow);
+  queue.push(ScanAborted{3, ScanAbort::PanTiltLost});
   run();
   EXPECT_FALSE(outlets.fixes.pop(message));
 }

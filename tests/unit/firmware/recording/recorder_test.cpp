@@ -91,14 +91,13 @@ TEST(Recorder, AFullDiskEndsItAndIsTold) {
 }
 
 TEST(MapOrder, ReadsBackWhatItWrites) {
-  for (const auto kind :
-       {MapOrder::Kind::Reset, MapOrder::Kind::Freeze, MapOrder::Kind::Unfreeze, MapOrder::Kind::Load}) {
+  for (const auto kind : {MapCommand::Reset, MapCommand::Freeze, MapCommand::Unfreeze, MapCommand::Restore}) {
     const auto order = parse_map_order(text_of({kind, 4'000'000'000}));
     ASSERT_TRUE(order);
     EXPECT_EQ(order->kind, kind);
     EXPECT_EQ(order->scan, 4'000'000'000);
   }
-  EXPECT_EQ(text_of({MapOrder::Kind::Freeze, 12}), "freeze 12");
+  EXPECT_EQ(text_of({MapCommand::Freeze, 12}), "freeze 12");
   for (const char* const text :
        {"", "reset", "reset ", "reset -1", "reset 1 ", "rest 1", "reset 4294967296"}) {
     EXPECT_FALSE(parse_map_order(text)) << text;
