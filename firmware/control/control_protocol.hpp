@@ -1,9 +1,15 @@
 #pragma once
 
+#include <tl/expected.hpp>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace slamsensor::firmware {
 
@@ -26,7 +32,7 @@ namespace slamsensor::firmware {
 //              ...
 //             OK
 //
-// `help` lists the requests (control_commands). The socket may be used by who may write to it: mode 0660,
+// `help` lists the requests (control_verbs). The socket may be used by who may write to it: mode 0660,
 // group of its directory's setgid or else of the daemon. At most kControlClientsMax clients: of more, the one
 // that has been silent longest has to go if it was silent for a second, else the new one is told `ERROR
 // busy`.
@@ -54,5 +60,33 @@ enum class ControlErrorCode : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 9> kControlErrorNames = {
     "syntax", "unknown", "value", "config", "not_found", "refused", "failed", "busy", "timeout"};
+
+/// What a request brought.
+struct ControlReply {
+  std::string summary;             ///< behind OK; may be empty
+  std::vector<std::string> lines;  ///< data; a line feed within one begins the next
+};
+
+/// Why it brought nothing: what, and what to do, in one line.
+struct ControlError {
+  ControlErrorCode code = ControlErrorCode::Failed;
+  std::string message;
+};
+
+using ControlResult = tl::expected<ControlReply, ControlError>;
+
+[[nodiscard]] inline tl::unexpected<ControlError> refusal(ControlErrorCode code, std::string text) {
+  return tl::unexpected(ControlError{code, std::move(text)});
+}
+
+/// Stands for a request that is answered later. Never given twice.
+using ControlToken = std::uint64_t;
+
+/// The answer, or none: it will be given to ControlServer::complete with the token of the request.
+using ControlOutcome = std::optional<ControlResult>;
+
+/// As the protocol writes it, all lines with their ends. Control characters become '?'; an answer of more
+/// than kControlAnswerMax bytes becomes an error that says so.
+[[nodiscard]] std::string answer_text(const ControlResult& result);
 
 }  // namespace slamsensor::firmware

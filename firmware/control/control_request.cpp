@@ -1,18 +1,61 @@
 #include "firmware/control/control_request.hpp"
 
+#include "firmware/config/setting.hpp"
 #include "firmware/config/suggestion.hpp"
-#include "firmware/control/control_arguments.hpp"
-#include "firmware/control/control_words.hpp"
 #include "firmware/supervision/plain_text.hpp"
 
-#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <optional>
 #include <vector>
 
 namespace slamsensor::firmware {
 namespace {
 
+using Parsed = tl::expected<void, ControlError>;
+
 constexpr std::size_t kEditsMax = 2;  // a word farther off is not taken for a slip
+constexpr std::size_t kNameMax = 64;
+constexpr std::array<std::string_view, 2> kModeNames = {"continuous", "single"};
+
+std::string quoted(std::string_view text) {
+  return '\'' + std::string(text) + '\'';
+}
+
+tl::unexpected<ControlError> refuse(std::string message) {
+  return refusal(ControlErrorCode::Value, std::move(message));
+}
+
+/// Takes one of `names` off `text`; a value of that number.
+template <typename Value>
+Parsed parse_choice(std::string_view& text, std::span<const std::string_view> names, Value& value) {
+  const std::string_view word = take_word(text);
+  const auto found = std::find(names.begin(), names.end(), word);
+  if (found != names.end()) {
+    value = static_cast<Value>(found - names.begin());
+    return {};
+  }
+  std::string allowed;
+  for (const std::string_view name : names) {
+    allowed += (allowed.empty() ? "" : ", ") + std::string(name);
+  }
+  return refuse(quoted(word) + " is not allowed; allowed: " + allowed);
+}
+
+/// `word` as a number in the range of the setting `path`.
+tl::expected<double, ControlError> parse_real(std::string_view word, std::string_view path) {
+  const Setting& setting = settings()[*find_setting(path)];
+  const auto& range = std::get<RealSetting>(setting.kind);
+  double value = 0.0;
+  const auto end = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (end.ec != std::errc() || end.ptr != word.data() + word.size() || !std::isfinite(value) ||
+      value < range.min || value > range.max) {
+    return refuse(std::string(setting.key()) + ": " + quoted(word) +
+                  " is not allowed; allowed: " + allowed_text(setting));
+  }
+  return value * range.scale;
+}
 
 /// What follows `words` in `line`, blank by blank; none when it does not begin with them.
 std::optional<std::string_view> after_words(std::string_view line, std::string_view words) {
@@ -27,8 +70,8 @@ std::optional<std::string_view> after_words(std::string_view line, std::string_v
 /// "now, pause, resume or mode": what may follow the first word `group`.
 std::string second_words(std::string_view group) {
   std::vector<std::string_view> seconds;
-  for (const ControlCommand& command : control_commands()) {
-    std::string_view rest = command.words;
+  for (const ControlVerb& verb : control_verbs()) {
+    std::string_view rest = verb.words;
     if (take_word(rest) == group && !rest.empty()) {
       seconds.push_back(rest);
     }
@@ -52,8 +95,8 @@ ControlError unknown(std::string_view line) {
   std::string message = "there is no request " + quoted(first);
   std::size_t least = std::min(kEditsMax, std::max<std::size_t>(first.size() / 3, 1)) + 1;
   std::string_view nearest;
-  for (const ControlCommand& command : control_commands()) {
-    std::string_view words = command.words;
+  for (const ControlVerb& verb : control_verbs()) {
+    std::string_view words = verb.words;
     const std::string_view word = take_word(words);
     const bool is_near = first.size() <= word.size() + kEditsMax && word.size() <= first.size() + kEditsMax;
     const std::size_t edits = is_near ? edit_distance(first, word) : least;
@@ -68,56 +111,150 @@ ControlError unknown(std::string_view line) {
   return {ControlErrorCode::Unknown, message + "; help lists all requests"};
 }
 
-ControlError misused(const ControlCommand& command, std::string_view problem) {
-  std::string message(problem);
-  message += "; say: " + std::string(command.words);
-  if (!command.arguments_text.empty()) {
-    message += ' ' + std::string(command.arguments_text);
-  }
-  return {ControlErrorCode::Value, std::move(message)};
+tl::unexpected<ControlError> misused(const ControlVerb& verb, std::string_view problem) {
+  return refuse(std::string(problem) + "; say: " + verb.usage());
 }
 
-bool needs_arguments(ControlArguments arguments) {
-  return arguments != ControlArguments::None && arguments != ControlArguments::OptionalJson &&
-         arguments != ControlArguments::OptionalCommand && arguments != ControlArguments::OptionalName;
-}
-
-tl::expected<ControlRequest, ControlError> parse_rest(const ControlCommand& command, std::string_view rest) {
+tl::expected<ControlRequest, ControlError> parse_rest(const ControlVerb& verb, std::string_view rest) {
   ControlRequest request;
-  request.command = &command;
-  if (rest.empty() && needs_arguments(command.arguments)) {
-    return tl::unexpected(misused(command, "something is missing"));
+  request.verb = &verb;
+  if (rest.empty() && !verb.arguments.empty() && verb.arguments.front() != '[') {
+    return misused(verb, "something is missing");
   }
-  if (const auto parsed = parse_arguments(rest, request); !parsed) {
+  if (const auto parsed = verb.parse(rest, request); !parsed) {
     return tl::unexpected(parsed.error());
   }
   if (!rest.empty()) {
-    return tl::unexpected(misused(command, "nothing is known of " + quoted(rest)));
+    return misused(verb, "nothing is known of " + quoted(rest));
   }
-  if (command.arguments == ControlArguments::KeyValue && request.value.empty()) {
-    return tl::unexpected(misused(command, "the value is missing"));
+  if (verb.parse == parse_key_and_value && request.value.empty()) {
+    return misused(verb, "the value is missing");
   }
   return request;
 }
 
 }  // namespace
 
+bool map_name_allowed(std::string_view name) noexcept {
+  return !name.empty() && name.size() <= kNameMax && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  });
+}
+
+Parsed parse_nothing(std::string_view&, ControlRequest&) {
+  return {};
+}
+
+Parsed parse_json(std::string_view& text, ControlRequest& request) {
+  if (text == "json") {
+    request.form = ReplyForm::Json;
+    text = {};
+  }
+  return {};
+}
+
+Parsed parse_words(std::string_view& text, ControlRequest& request) {
+  while (!text.empty()) {
+    request.name += (request.name.empty() ? "" : " ") + std::string(take_word(text));
+  }
+  return {};
+}
+
+Parsed parse_name(std::string_view& text, ControlRequest& request) {
+  const std::string_view name = take_word(text);
+  if (!map_name_allowed(name)) {
+    return refuse(quoted(name) + " is no name: 1 to 64 of A-Z a-z 0-9 _ - are allowed");
+  }
+  request.name = name;
+  return {};
+}
+
+Parsed parse_optional_name(std::string_view& text, ControlRequest& request) {
+  return text.empty() ? Parsed() : parse_name(text, request);
+}
+
+Parsed parse_mode(std::string_view& text, ControlRequest& request) {
+  return parse_choice(text, kModeNames, request.mode);
+}
+
+Parsed parse_level(std::string_view& text, ControlRequest& request) {
+  return parse_choice(text, kLogLevelNames, request.level);
+}
+
+Parsed parse_datum(std::string_view& text, ControlRequest& request) {
+  const std::array<std::pair<std::string_view, double*>, 4> fields = {
+      {{"datum.latitude_deg", &request.datum.latitude_deg},
+       {"datum.longitude_deg", &request.datum.longitude_deg},
+       {"datum.height_m", &request.datum.height_m},
+       {"datum.bearing_deg", &request.datum.bearing_deg}}};
+  for (const auto& [path, value] : fields) {
+    const auto read = parse_real(take_word(text), path);
+    if (!read) {
+      return tl::unexpected(read.error());
+    }
+    *value = *read;
+  }
+  return {};
+}
+
+Parsed parse_key(std::string_view& text, ControlRequest& request) {
+  const std::string_view key = take_word(text);
+  if (!find_setting(key)) {
+    const std::string near = key.size() <= kNameMax ? suggest_key(key) : std::string();
+    return refuse(quoted(key) + " is no setting; " + (near.empty() ? "" : "did you mean " + near + "? ") +
+                  "config list names all");
+  }
+  request.name = key;
+  return {};
+}
+
+Parsed parse_key_and_value(std::string_view& text, ControlRequest& request) {
+  return parse_key(text, request).map([&] {
+    request.value = text;
+    text = {};
+  });
+}
+
 tl::expected<ControlRequest, ControlError> parse_control_request(std::string_view line) {
   if (std::any_of(line.begin(), line.end(), [](char c) { return is_control(c) && c != '\t'; })) {
-    return tl::unexpected(
-        ControlError{ControlErrorCode::Syntax, "a control character; requests are lines of text"});
+    return refusal(ControlErrorCode::Syntax, "a control character; requests are lines of text");
   }
   if (line.size() > kControlLineMax) {
-    return tl::unexpected(ControlError{
-        ControlErrorCode::Syntax,
-        "the line is longer than " + std::to_string(kControlLineMax) + " bytes; send shorter ones"});
+    return refusal(ControlErrorCode::Syntax, "the line is longer than " + std::to_string(kControlLineMax) +
+                                                 " bytes; send shorter ones");
   }
-  for (const ControlCommand& command : control_commands()) {
-    if (const auto rest = after_words(line, command.words)) {
-      return parse_rest(command, *rest);
+  for (const ControlVerb& verb : control_verbs()) {
+    if (const auto rest = after_words(line, verb.words)) {
+      return parse_rest(verb, *rest);
     }
   }
   return tl::unexpected(unknown(line));
+}
+
+std::string ControlVerb::usage() const {
+  return std::string(words) + (arguments.empty() ? "" : " ") + std::string(arguments);
+}
+
+ControlResult control_help(std::string_view about) {
+  std::vector<const ControlVerb*> listed;
+  std::size_t width = 0;
+  for (const ControlVerb& verb : control_verbs()) {
+    if (verb.words.starts_with(about)) {
+      listed.push_back(&verb);
+      width = std::max(width, verb.usage().size());
+    }
+  }
+  if (listed.empty()) {
+    return refusal(ControlErrorCode::NotFound,
+                   "there is no request '" + std::string(about) + "'; help lists all");
+  }
+  ControlReply reply;
+  for (const ControlVerb* const verb : listed) {
+    std::string line = verb->usage();
+    line.resize(width + 2, ' ');
+    reply.lines.push_back(line + std::string(verb->description));
+  }
+  return reply;
 }
 
 }  // namespace slamsensor::firmware

@@ -1,16 +1,44 @@
 #pragma once
 
-#include "firmware/control/control_listener.hpp"
 #include "firmware/control/control_session.hpp"
+#include "firmware/supervision/file_descriptor.hpp"
 #include "hal/counters.hpp"
+#include "hal/init_error.hpp"
 #include "hal/stamp.hpp"
 
 #include <memory>
 #include <poll.h>
 #include <span>
+#include <string>
+#include <sys/types.h>
 #include <vector>
 
 namespace slamsensor::firmware {
+
+/// A local stream socket that listens at a path. The path goes with it, unless another has taken it over.
+class ControlListener {
+ public:
+  /// Listens at `path` with mode 0660. A socket that a dead process left there is replaced; one that answers,
+  /// or a file of another kind, is left alone and refused. The error says what to do.
+  [[nodiscard]] static tl::expected<ControlListener, hal::InitError> create(const std::string& path);
+
+  ControlListener(ControlListener&& other) noexcept = default;
+  ControlListener& operator=(ControlListener&& other) = delete;
+  ~ControlListener();
+
+  [[nodiscard]] int fd() const noexcept { return socket_.get(); }
+
+  /// The next client, its socket non-blocking; none when there is none (errno says whether it went wrong).
+  [[nodiscard]] FileDescriptor accept() noexcept;
+
+ private:
+  ControlListener(FileDescriptor socket, std::string path);
+
+  FileDescriptor socket_;
+  std::string path_;
+  dev_t device_ = 0;
+  ino_t inode_ = 0;
+};
 
 struct ControlServerConfig {
   std::string socket = "/run/slamsensor/control";
@@ -24,9 +52,9 @@ struct ControlServerConfig {
 /// Serves the control protocol (control_protocol.hpp). One thread; never waits.
 class ControlServer {
  public:
-  /// Listens. `target` outlives this.
+  /// Listens.
   [[nodiscard]] static tl::expected<std::unique_ptr<ControlServer>, hal::InitError> create(
-      const ControlServerConfig& config, ControlTarget& target);
+      const ControlServerConfig& config, ControlHandler handler);
 
   /// Appends what poll() is to wait for. Beside that, step() is due once a second.
   void append_interest(std::vector<pollfd>& interest) const;
@@ -54,8 +82,8 @@ class ControlServer {
     bool is_gone = false;
   };
 
-  ControlServer(const ControlServerConfig& config, ControlListener listener, ControlTarget& target)
-      : config_(config), listener_(std::move(listener)), target_(target) {}
+  ControlServer(const ControlServerConfig& config, ControlListener listener, ControlHandler handler)
+      : config_(config), listener_(std::move(listener)), handler_(std::move(handler)) {}
 
   void accept_clients(hal::Stamp now);
   void admit(FileDescriptor socket, hal::Stamp now);
@@ -67,7 +95,7 @@ class ControlServer {
 
   ControlServerConfig config_;
   ControlListener listener_;
-  ControlTarget& target_;
+  ControlHandler handler_;
   std::vector<std::unique_ptr<Client>> clients_;
   ControlToken last_token_ = 0;
   hal::Stamp accept_after_{};  // the system had no room for a client before

@@ -1,8 +1,5 @@
 #include "firmware/control/control_session.hpp"
 
-#include "firmware/control/control_request.hpp"
-#include "firmware/control/control_words.hpp"
-
 #include <algorithm>
 #include <exception>
 
@@ -15,10 +12,10 @@ ControlResult too_long() {
       "the line is longer than " + std::to_string(kControlLineMax) + " bytes; send shorter ones"});
 }
 
-/// What the target throws costs the request, not the daemon.
-ControlOutcome run_request(const ControlRequest& request, ControlToken token, ControlTarget& target) {
+/// What the handler throws costs the request, not the daemon.
+ControlOutcome carry_out(const ControlRequest& request, const ControlHandler& handler) {
   try {
-    return request.command->run(request, token, target);
+    return handler(request);
   } catch (const std::exception& error) {
     return tl::unexpected(
         ControlError{ControlErrorCode::Failed,
@@ -67,29 +64,29 @@ bool ControlSession::can_run() const noexcept {
          (input_ended_ || input_.size() > kControlLineMax + 1 || input_.find('\n') != input_.npos);
 }
 
-void ControlSession::run(ControlTarget& target, ControlToken& last_token, SessionCounts& counts) {
+void ControlSession::run(const ControlHandler& handler, ControlToken& last_token, SessionCounts& counts) {
   std::string line;
   while (!is_pending() && output_.empty() && take_line(line, counts)) {
     const std::string_view request = trimmed(line);
     if (!request.empty() && request.front() != '#') {
-      answer(request, target, last_token, counts);
+      answer(request, handler, last_token, counts);
     }
   }
 }
 
-void ControlSession::answer(std::string_view line, ControlTarget& target, ControlToken& last_token,
+void ControlSession::answer(std::string_view line, const ControlHandler& handler, ControlToken& last_token,
                             SessionCounts& counts) {
   ++counts.requests;
-  const auto request = parse_control_request(line);
+  auto request = parse_control_request(line);
   if (!request) {
     ++counts.refused;
     put(tl::unexpected(request.error()));
     return;
   }
-  // Waited for before it is asked for: the target may complete it within the call.
+  // Waited for before it is asked for: the handler may complete it within the call.
   const ControlToken token = ++last_token;
-  pending_ = token;
-  if (const ControlOutcome outcome = run_request(*request, token, target)) {
+  pending_ = request->token = token;
+  if (const ControlOutcome outcome = carry_out(*request, handler)) {
     counts.refused += outcome->has_value() ? 0 : 1;
     complete(token, *outcome);
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "firmware/control/control_target.hpp"
+#include "firmware/control/control_request.hpp"
 
 #include <cstddef>
 #include <string>
@@ -34,7 +34,7 @@ class ControlSession {
 
   /// Answers the lines that are there, until one is answered later or an answer is waiting to be sent. Tokens
   /// are drawn from `last_token`. Call it again after receive, end_input, complete and sent.
-  void run(ControlTarget& target, ControlToken& last_token, SessionCounts& counts);
+  void run(const ControlHandler& handler, ControlToken& last_token, SessionCounts& counts);
 
   /// Whether run() would take up a line.
   [[nodiscard]] bool can_run() const noexcept;
@@ -61,7 +61,8 @@ class ControlSession {
   static constexpr ControlToken kNone = 0;
 
   [[nodiscard]] bool take_line(std::string& line, SessionCounts& counts);
-  void answer(std::string_view line, ControlTarget& target, ControlToken& last_token, SessionCounts& counts);
+  void answer(std::string_view line, const ControlHandler& handler, ControlToken& last_token,
+              SessionCounts& counts);
   void put(const ControlResult& result);
 
   std::string input_;

@@ -24,10 +24,6 @@ OutputTime output_now() {
   return {now, now + hal::realtime_ahead()};
 }
 
-std::int64_t seconds(std::chrono::nanoseconds utc) {
-  return std::chrono::duration_cast<std::chrono::seconds>(utc).count();
-}
-
 /// Differs from start to start, also where the clock was set back or never set.
 std::uint64_t draw_initialization() {
   std::uint64_t value = 0;
@@ -67,7 +63,9 @@ tl::expected<std::unique_ptr<Daemon>, StartFailure> Daemon::create(LayeredConfig
   std::unique_ptr<Daemon> daemon(
       new Daemon(std::move(config), std::move(*signals), std::move(*threads), log, now));
   auto server = ControlServer::create({.socket = daemon->config_.current().config.daemon.control.socket},
-                                      daemon->control_);
+                                      [&control = daemon->control_](const ControlRequest& request) {
+                                        return request.verb->run(request, control);
+                                      });
   if (!server) {
     return failure(ExitReason::Unavailable, server.error().message);
   }
@@ -84,7 +82,7 @@ Daemon::Daemon(LayeredConfig config, Signals signals, std::unique_ptr<SensorThre
       threads_(std::move(threads)),
       maps_(config_.current().config, *threads_, log, now),
       recordings_(config_.current().config, *threads_, maps_, log),
-      control_(config_, *threads_, maps_, recordings_, log),
+      control_{config_, *threads_, maps_, recordings_, log},
       watchdog_(threads_->heartbeats(), notifier_) {
 }
 
@@ -107,11 +105,11 @@ void Daemon::turn(const OutputTime& now) {
   take_signals(now);
   server_->step(now.monotonic);
   const std::uint32_t replaced = maps_.replaced();
-  for (const MapKeeper::Answer& answer : maps_.step(now.monotonic, seconds(now.utc))) {
+  for (const MapKeeper::Answer& answer : maps_.step(now)) {
     server_->complete(answer.token, answer.result);
   }
   if (maps_.replaced() != replaced) {
-    control_.apply();  // the map's datum may be in force now
+    apply_config(control_);  // the map's datum may be in force now
     facts_told_ = {};
   }
   if (const auto answer = recordings_.step(now)) {
@@ -137,7 +135,7 @@ void Daemon::take_signals(const OutputTime& now) {
         reload(now);
         break;
       case Order::SaveMap:
-        maps_.save_now(now.monotonic, seconds(now.utc));
+        maps_.save_now(now);
         break;
     }
   }
@@ -145,8 +143,7 @@ void Daemon::take_signals(const OutputTime& now) {
 
 void Daemon::reload(const OutputTime& now) {
   notifier_.reloading(now.monotonic);
-  const ControlOutcome outcome = control_.config_reload(0);
-  if (outcome && *outcome) {
+  if (reload_config(control_)) {
     log_.notice("configuration read again");
   } else {
     log_.error("the configuration is not read again: it has mistakes; the one in force stays");
@@ -202,7 +199,7 @@ tl::expected<void, StartFailure> Daemon::stop() {
   threads_->stop();
   const OutputTime now = output_now();
   recordings_.finish_at_end(now);
-  maps_.save_at_end(now.monotonic, seconds(now.utc));
+  maps_.save_at_end(now);
   log_.flush();
   if (const auto& lost = recordings_.failure()) {
     return failure(ExitReason::Fault, *lost);

@@ -2,7 +2,7 @@
 
 #include "firmware/config/layered_config.hpp"
 #include "firmware/control/control_server.hpp"
-#include "firmware/daemon/daemon_control.hpp"
+#include "firmware/daemon/control_verbs.hpp"
 #include "firmware/daemon/map_keeper.hpp"
 #include "firmware/daemon/recording_keeper.hpp"
 #include "firmware/daemon/sensor_threads.hpp"
@@ -57,7 +57,7 @@ class Daemon {
   std::unique_ptr<SensorThreads> threads_;
   MapKeeper maps_;
   RecordingKeeper recordings_;
-  DaemonControl control_;
+  ControlContext control_;
   std::unique_ptr<ControlServer> server_;
   Watchdog watchdog_;
   bool is_ready_ = false;

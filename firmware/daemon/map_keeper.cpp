@@ -1,6 +1,5 @@
 #include "firmware/daemon/map_keeper.hpp"
 
-#include "firmware/daemon/refusal.hpp"
 #include "firmware/store/map_layout.hpp"
 
 #include <algorithm>
@@ -12,6 +11,25 @@ namespace {
 MapMethod method_of(const core::Config& config) {
   return {config.association.tolerance_m, config.detection.range_step_m, config.detection.bearing_step_rad,
           config.association.depth, config.detection.landmarks_max};
+}
+
+std::int64_t seconds_of(std::chrono::nanoseconds utc) {
+  return std::chrono::duration_cast<std::chrono::seconds>(utc).count();
+}
+
+tl::unexpected<ControlError> refusal_of(const StoreError& error) {
+  switch (error.fault) {
+    case StoreFault::Name:
+      return refusal(ControlErrorCode::Value, error.message);
+    case StoreFault::Missing:
+      return refusal(ControlErrorCode::NotFound, error.message);
+    case StoreFault::Refused:
+    case StoreFault::InUse:
+      return refusal(ControlErrorCode::Refused, error.message);
+    case StoreFault::Io:
+      break;
+  }
+  return refusal(ControlErrorCode::Failed, error.message);
 }
 
 constexpr std::string_view kBeforeReset = "-before-reset";
@@ -93,18 +111,18 @@ ControlOutcome MapKeeper::ask(Pending pending) {
   return std::nullopt;
 }
 
-std::vector<MapKeeper::Answer> MapKeeper::step(hal::Stamp now, std::int64_t utc_s) {
+std::vector<MapKeeper::Answer> MapKeeper::step(const OutputTime& now) {
   if (pending_ && !answer_) {
     answer_ = threads_.slam_orders().answer();
   }
   if (pending_ && answer_ && is_published(*answer_)) {
-    finish_order(now);
+    finish_order(now.monotonic);
   }
-  if (mode_wanted_ && !set_mode(0, *mode_wanted_, now, utc_s)) {
+  if (mode_wanted_ && !set_mode(0, *mode_wanted_, now)) {
     mode_wanted_.reset();  // given; else another order is under way
   }
-  if (!is_frozen_ && policy_.is_due(revision(), now)) {
-    if (auto saved = store(name_, now, utc_s); !saved) {
+  if (!is_frozen_ && policy_.is_due(revision(), now.monotonic)) {
+    if (auto saved = store(name_, now); !saved) {
       log_.error(saved.error().message);
     }
   }
@@ -188,8 +206,7 @@ bool MapKeeper::is_unsaved() const {
   return policy_.is_unsaved(revision());
 }
 
-tl::expected<std::string, StoreError> MapKeeper::store(const std::string& name, hal::Stamp now,
-                                                       std::int64_t utc_s) {
+tl::expected<std::string, StoreError> MapKeeper::store(const std::string& name, const OutputTime& now) {
   MapAbout about = about_;
   about.name = name;
   about.method = method_of(config_.core);
@@ -203,9 +220,9 @@ tl::expected<std::string, StoreError> MapKeeper::store(const std::string& name, 
   }
   const std::uint64_t revision = snapshot_.revision();
   const std::size_t landmarks = snapshot_.state().landmarks.size();
-  auto saved = store_.save(about, snapshot_.state(), utc_s);
+  auto saved = store_.save(about, snapshot_.state(), seconds_of(now.utc));
   if (!saved) {
-    policy_.failed(now);
+    policy_.failed(now.monotonic);
     return tl::unexpected(saved.error());
   }
   for (const std::string& warning : saved->warnings) {
@@ -213,27 +230,27 @@ tl::expected<std::string, StoreError> MapKeeper::store(const std::string& name, 
   }
   if (name == name_) {
     about_ = saved->about;
-    saved_ = now;
-    policy_.saved(revision, now);
+    saved_ = now.monotonic;
+    policy_.saved(revision, now.monotonic);
   }
   return "map '" + name + "' saved: " + std::to_string(landmarks) + " landmarks, " +
          std::to_string(saved->bytes) + " bytes";
 }
 
-void MapKeeper::save_now(hal::Stamp now, std::int64_t utc_s) {
+void MapKeeper::save_now(const OutputTime& now) {
   if (is_frozen_ || !is_unsaved()) {
     return;
   }
-  if (auto saved = store(name_, now, utc_s)) {
+  if (auto saved = store(name_, now)) {
     log_.notice(*saved);
   } else {
     log_.error(saved.error().message);
   }
 }
 
-void MapKeeper::save_at_end(hal::Stamp now, std::int64_t utc_s) {
+void MapKeeper::save_at_end(const OutputTime& now) {
   if (config_.daemon.map_store.autosave_s > 0.0) {
-    save_now(now, utc_s);
+    save_now(now);
   }
 }
 
@@ -259,7 +276,7 @@ std::vector<std::uint8_t> MapKeeper::encoded() {
 ControlResult MapKeeper::list() {
   const auto maps = store_.list();
   if (!maps) {
-    return refusal(maps.error());
+    return refusal_of(maps.error());
   }
   ControlReply reply{std::to_string(maps->size()) + " maps in " + store_.folder().string(), {}};
   for (const MapListing& map : *maps) {
@@ -290,15 +307,15 @@ ControlResult MapKeeper::info() {
   return reply;
 }
 
-ControlResult MapKeeper::save(std::string_view name, hal::Stamp now, std::int64_t utc_s) {
+ControlResult MapKeeper::save(std::string_view name, const OutputTime& now) {
   const std::string to(name.empty() ? name_ : name);
   if (is_frozen_ && to == name_) {
     return refusal(ControlErrorCode::Refused,
                    "the map is frozen: nothing in it has changed; save it under another name or unfreeze it");
   }
-  auto saved = store(to, now, utc_s);
+  auto saved = store(to, now);
   if (!saved) {
-    return refusal(saved.error());
+    return refusal_of(saved.error());
   }
   return ControlReply{*saved, {}};
 }
@@ -310,7 +327,7 @@ ControlResult MapKeeper::remove(std::string_view name) {
                                                   "forget what is in it");
   }
   if (auto removed = store_.remove(name); !removed) {
-    return refusal(removed.error());
+    return refusal_of(removed.error());
   }
   return ControlReply{"map '" + std::string(name) + "' removed", {}};
 }
@@ -318,7 +335,7 @@ ControlResult MapKeeper::remove(std::string_view name) {
 ControlOutcome MapKeeper::load(ControlToken token, std::string_view name) {
   auto loaded = store_.load(name.empty() ? name_ : name);
   if (!loaded) {
-    return refusal(loaded.error());
+    return refusal_of(loaded.error());
   }
   if (!loaded->warning.empty()) {
     log_.warning(loaded->warning);
@@ -327,7 +344,7 @@ ControlOutcome MapKeeper::load(ControlToken token, std::string_view name) {
 }
 
 /// What the map was before stays under a name of its own: the next saves would replace both generations.
-ControlOutcome MapKeeper::reset(ControlToken token, hal::Stamp now, std::int64_t utc_s) {
+ControlOutcome MapKeeper::reset(ControlToken token, const OutputTime& now) {
   if (is_frozen_) {
     return refusal(ControlErrorCode::Refused, "the map is frozen; unfreeze it first");
   }
@@ -335,7 +352,7 @@ ControlOutcome MapKeeper::reset(ControlToken token, hal::Stamp now, std::int64_t
   const bool has_map = threads_.map().read(
       [&](const MapSnapshot& map) { return !map.empty() && map.revision() >= valid_from_; });
   if (has_map) {
-    if (auto kept = store(before, now, utc_s); !kept) {
+    if (auto kept = store(before, now); !kept) {
       return refusal(ControlErrorCode::Failed, "the map cannot be kept as '" + before +
                                                    "' and is not forgotten: " + kept.error().message);
     }
@@ -343,9 +360,9 @@ ControlOutcome MapKeeper::reset(ControlToken token, hal::Stamp now, std::int64_t
   return ask({MapCommand::Reset, token, name_, std::nullopt});
 }
 
-ControlOutcome MapKeeper::set_mode(ControlToken token, MapMode mode, hal::Stamp now, std::int64_t utc_s) {
+ControlOutcome MapKeeper::set_mode(ControlToken token, MapMode mode, const OutputTime& now) {
   if (mode == MapMode::Frozen && !is_frozen_ && is_unsaved()) {
-    if (auto saved = store(name_, now, utc_s); !saved) {
+    if (auto saved = store(name_, now); !saved) {
       log_.warning("the map is frozen with changes that are not saved: " + saved.error().message);
     }
   }

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "firmware/config/config.hpp"
-#include "firmware/control/control_answer.hpp"
-#include "firmware/control/control_target.hpp"
+#include "firmware/control/control_protocol.hpp"
 #include "firmware/daemon/sensor_threads.hpp"
+#include "firmware/output/output_time.hpp"
 #include "firmware/store/autosave_policy.hpp"
 #include "firmware/store/map_store.hpp"
 #include "firmware/supervision/log.hpp"
@@ -17,6 +17,9 @@
 #include <vector>
 
 namespace slamsensor::firmware {
+
+/// Whether the map may change.
+enum class MapMode : std::uint8_t { Growing, Frozen };
 
 /// The supervisor's hand on the map: loads it at start, saves it when it has changed, and carries out what
 /// the control socket asks. A map that cannot be read or written is told and never ends the daemon. One
@@ -37,24 +40,24 @@ class MapKeeper {
   /// Has the SLAM thread go on from the stored map, if there is a good one.
   void load_at_start();
   /// Gets the SLAM thread's answer, saves what is due; the answers that are ready now.
-  [[nodiscard]] std::vector<Answer> step(hal::Stamp now, std::int64_t utc_s);
+  [[nodiscard]] std::vector<Answer> step(const OutputTime& now);
   /// Saves what is not saved: before the end, when the SLAM thread has stopped.
-  void save_at_end(hal::Stamp now, std::int64_t utc_s);
+  void save_at_end(const OutputTime& now);
   /// Saves what is not saved, and tells what came of it in the log.
-  void save_now(hal::Stamp now, std::int64_t utc_s);
+  void save_now(const OutputTime& now);
 
   /// Of what can change live, what `config` says counts from now on; map.frozen with the next step.
   void set_config(const Config& config);
   void set_order_tap(OrderTap tap) { tap_ = std::move(tap); }
 
-  // Requests of the control socket (ControlTarget).
+  // Requests of the control socket. An empty name is that of the map in use.
   [[nodiscard]] ControlResult list();
   [[nodiscard]] ControlResult info();
-  [[nodiscard]] ControlResult save(std::string_view name, hal::Stamp now, std::int64_t utc_s);
+  [[nodiscard]] ControlResult save(std::string_view name, const OutputTime& now);
   [[nodiscard]] ControlResult remove(std::string_view name);
   [[nodiscard]] ControlOutcome load(ControlToken token, std::string_view name);
-  [[nodiscard]] ControlOutcome reset(ControlToken token, hal::Stamp now, std::int64_t utc_s);
-  [[nodiscard]] ControlOutcome set_mode(ControlToken token, MapMode mode, hal::Stamp now, std::int64_t utc_s);
+  [[nodiscard]] ControlOutcome reset(ControlToken token, const OutputTime& now);
+  [[nodiscard]] ControlOutcome set_mode(ControlToken token, MapMode mode, const OutputTime& now);
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::optional<hal::Stamp> saved() const { return saved_; }
@@ -80,8 +83,7 @@ class MapKeeper {
   [[nodiscard]] bool is_published(const SlamAnswer& answer) const;
   void finish_order(hal::Stamp now);
   [[nodiscard]] ControlResult carried_out(const Pending& pending, const SlamAnswer& answer, hal::Stamp now);
-  [[nodiscard]] tl::expected<std::string, StoreError> store(const std::string& name, hal::Stamp now,
-                                                            std::int64_t utc_s);
+  [[nodiscard]] tl::expected<std::string, StoreError> store(const std::string& name, const OutputTime& now);
   void forget_map(std::uint64_t revision);
   [[nodiscard]] std::uint64_t revision() const;
 

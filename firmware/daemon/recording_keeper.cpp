@@ -1,6 +1,5 @@
 #include "firmware/daemon/recording_keeper.hpp"
 
-#include "firmware/daemon/refusal.hpp"
 #include "firmware/recording/config_toml.hpp"
 #include "firmware/store/map_text.hpp"
 #include "hal/clock.hpp"

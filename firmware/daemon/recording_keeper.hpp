@@ -1,7 +1,6 @@
 #pragma once
 
 #include "firmware/config/config.hpp"
-#include "firmware/control/control_target.hpp"
 #include "firmware/daemon/map_keeper.hpp"
 #include "firmware/daemon/recording_session.hpp"
 #include "firmware/daemon/sensor_threads.hpp"
@@ -31,7 +30,7 @@ class RecordingKeeper {
   /// Of the recordings to come.
   void set_config(const Config& config) { config_ = config; }
 
-  // Requests of the control socket (ControlTarget). An empty name: one made of the time.
+  // Requests of the control socket. An empty name: one made of the time.
   [[nodiscard]] ControlOutcome start(ControlToken token, std::string_view name, const OutputTime& now);
   [[nodiscard]] ControlOutcome stop(ControlToken token);
   [[nodiscard]] ControlResult status() const;

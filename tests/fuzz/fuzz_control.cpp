@@ -35,7 +35,7 @@ std::size_t run(ControlSession& session, FakeControlTarget& target, ControlToken
                 SessionCounts& counts) {
   std::size_t answers = 0;
   do {
-    session.run(target, token, counts);
+    session.run(target.handler(), token, counts);
     const std::string_view output = session.output();
     check_answers(output);
     answers += output.empty() ? 0 : 1;  // no more than one is made ahead

@@ -2,7 +2,7 @@
 
 #include "firmware/control/control_protocol.hpp"
 #include "firmware/control/control_request.hpp"
-#include "firmware/control/control_words.hpp"
+#include "firmware/control/control_request.hpp"
 #include "firmware/supervision/unix_address.hpp"
 
 #include <nlohmann/json.hpp>
@@ -180,8 +180,8 @@ constexpr std::string_view kPrompt = "slamsensor> ";
 std::string request_for(std::string_view request, CtlForm form) {
   std::string sent(request);
   if (form == CtlForm::Json) {
-    for (const firmware::ControlCommand& command : firmware::control_commands()) {
-      if (command.words == request && command.arguments == firmware::ControlArguments::OptionalJson) {
+    for (const firmware::ControlVerb& verb : firmware::control_verbs()) {
+      if (verb.words == request && verb.parse == firmware::parse_json) {
         sent += " json";
       }
     }

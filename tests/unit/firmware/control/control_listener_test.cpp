@@ -41,7 +41,7 @@ TEST_F(ControlListenerTest, TakesOverASocketThatADeadDaemonLeft) {
 
 TEST_F(ControlListenerTest, RefusesWhereAnotherAnswers) {
   start();
-  const auto second = ControlServer::create(config, target);
+  const auto second = ControlServer::create(config, target.handler());
   ASSERT_FALSE(second);
   EXPECT_THAT(second.error().message, HasSubstr("another slamsensord answers there"));
   EXPECT_THAT(second.error().message, HasSubstr(config.socket));
@@ -53,7 +53,7 @@ TEST_F(ControlListenerTest, RefusesWhereAnotherAnswers) {
 
 TEST_F(ControlListenerTest, LeavesOtherFilesAlone) {
   std::ofstream(config.socket) << "precious";
-  const auto made = ControlServer::create(config, target);
+  const auto made = ControlServer::create(config, target.handler());
   ASSERT_FALSE(made);
   EXPECT_THAT(made.error().message, HasSubstr("no socket is there; remove it"));
   EXPECT_EQ(std::filesystem::file_size(config.socket), 8U);
@@ -61,17 +61,18 @@ TEST_F(ControlListenerTest, LeavesOtherFilesAlone) {
 
 TEST_F(ControlListenerTest, SaysWhatIsWrongWithThePath) {
   config.socket = folder / "missing" / "socket";
-  EXPECT_THAT(ControlServer::create(config, target).error().message, HasSubstr("make its folder"));
+  EXPECT_THAT(ControlServer::create(config, target.handler()).error().message, HasSubstr("make its folder"));
   config.socket = std::string(kUnixPathMax + 1, 'p');
-  EXPECT_THAT(ControlServer::create(config, target).error().message, HasSubstr("no path of 1 to 107 bytes"));
+  EXPECT_THAT(ControlServer::create(config, target.handler()).error().message,
+              HasSubstr("no path of 1 to 107 bytes"));
   config.socket.clear();
-  EXPECT_FALSE(ControlServer::create(config, target));
+  EXPECT_FALSE(ControlServer::create(config, target.handler()));
 }
 
 TEST_F(ControlListenerTest, ADaemonWhoseSocketWasTakenOverLeavesTheNewOneAlone) {
   start();
   std::filesystem::remove(config.socket);
-  auto newer = ControlServer::create(config, target);
+  auto newer = ControlServer::create(config, target.handler());
   ASSERT_TRUE(newer);
   server.reset();
   EXPECT_TRUE(std::filesystem::exists(config.socket));

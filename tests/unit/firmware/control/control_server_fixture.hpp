@@ -30,7 +30,7 @@ struct ControlServerTest : testing::Test {
   }
 
   void start() {
-    auto made = ControlServer::create(config, target);
+    auto made = ControlServer::create(config, target.handler());
     ASSERT_TRUE(made) << made.error().message;
     server = std::move(*made);
   }

@@ -15,7 +15,7 @@ struct ControlSessionTest : testing::Test {
   std::string run() {
     std::string output;
     do {
-      session.run(target, last_token, counts);
+      session.run(target.handler(), last_token, counts);
       output += session.output();
       session.sent(session.output().size());
     } while (session.can_run());
@@ -94,9 +94,9 @@ TEST_F(ControlSessionTest, GivenUpRequestsTimeOutAndFreeTheLine) {
 
 TEST_F(ControlSessionTest, NothingIsAskedWhileAnAnswerIsUnsent) {
   session.receive("map reset\nmap list\n");
-  session.run(target, last_token, counts);
-  session.run(target, last_token, counts);
-  EXPECT_EQ(target.asked, std::vector<std::string>{"map_reset"});
+  session.run(target.handler(), last_token, counts);
+  session.run(target.handler(), last_token, counts);
+  EXPECT_EQ(target.asked, std::vector<std::string>{"map reset"});
   session.sent(3);
   EXPECT_EQ(session.output(), "done\n");
   EXPECT_FALSE(session.can_run());
@@ -135,7 +135,7 @@ TEST_F(ControlSessionTest, PiecesMakeNoDifference) {
     if (at == script.size()) {
       whole.end_input();
     }
-    whole.run(target, last_token, counts);
+    whole.run(target.handler(), last_token, counts);
     expected += whole.output();
     whole.sent(whole.output().size());
   }

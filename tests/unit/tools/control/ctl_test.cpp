@@ -28,7 +28,7 @@ class Daemon {
   explicit Daemon(const std::string& socket) {
     firmware::ControlServerConfig config;
     config.socket = socket;
-    server_ = firmware::ControlServer::create(config, target).value();
+    server_ = firmware::ControlServer::create(config, target.handler()).value();
     thread_ = std::thread([this] { run(); });
   }
   ~Daemon() {

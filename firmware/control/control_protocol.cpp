@@ -1,4 +1,4 @@
-#include "firmware/control/control_answer.hpp"
+#include "firmware/control/control_protocol.hpp"
 
 #include "firmware/supervision/plain_text.hpp"
 
