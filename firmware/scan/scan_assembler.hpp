@@ -1,10 +1,10 @@
 #pragma once
 
 #include "core/reading.hpp"
-#include "firmware/scan/latency.hpp"
+#include "core/sweep/latency_calibration.hpp"
+#include "core/sweep/swept_line.hpp"
 #include "firmware/scan/pan_fit.hpp"
 #include "firmware/scan/scan_config.hpp"
-#include "firmware/scan/scanline.hpp"
 #include "hal/counters.hpp"
 #include "hal/pantilt/pan_tilt.hpp"
 #include "hal/rangefinder/rangefinder.hpp"
@@ -17,6 +17,10 @@
 #include <vector>
 
 namespace slamsensor::firmware {
+
+using core::Latency;
+using core::Scanline;
+using core::SweepDirection;
 
 /// What the assembler counts.
 enum class AssemblerEvent : std::uint8_t {

@@ -19,7 +19,7 @@ SensorHead::SensorHead(hal::PanTilt& pan_tilt, hal::Rangefinder& rangefinder, co
       rangefinder_(rangefinder),
       scheduler_(pan_tilt, rangefinder, config.scan),
       assembler_(config.scan, config.pan_fit),
-      calibration_(config.latency, kScanlinesMax),
+      calibration_(config.latency),
       motion_(config.motion),
       levelling_(config.levelling),
       pan_sigma_max_rad_(config.scan.pan_sigma_max_rad),

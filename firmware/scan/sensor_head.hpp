@@ -2,14 +2,14 @@
 
 #include "core/attitude.hpp"
 #include "core/reading.hpp"
-#include "firmware/scan/latency_calibration.hpp"
-#include "firmware/scan/motion_detector.hpp"
+#include "core/sweep/latency_calibration.hpp"
+#include "core/sweep/motion_detector.hpp"
+#include "core/sweep/swept_line.hpp"
 #include "firmware/scan/scan_abort.hpp"
 #include "firmware/scan/scan_assembler.hpp"
 #include "firmware/scan/scan_config.hpp"
 #include "firmware/scan/scan_failure.hpp"
 #include "firmware/scan/scan_scheduler.hpp"
-#include "firmware/scan/scanline.hpp"
 #include "hal/counters.hpp"
 #include "hal/pantilt/pan_tilt.hpp"
 #include "hal/rangefinder/rangefinder.hpp"
@@ -98,8 +98,8 @@ class SensorHead {
 
   [[nodiscard]] const ScanScheduler& scheduler() const noexcept { return scheduler_; }
   [[nodiscard]] const ScanAssembler& assembler() const noexcept { return assembler_; }
-  [[nodiscard]] const LatencyCalibration& calibration() const noexcept { return calibration_; }
-  [[nodiscard]] const MotionDetector& motion() const noexcept { return motion_; }
+  [[nodiscard]] const core::LatencyCalibration& calibration() const noexcept { return calibration_; }
+  [[nodiscard]] const core::MotionDetector& motion() const noexcept { return motion_; }
   [[nodiscard]] const Latency& latency() const noexcept { return calibration_.latency(); }
   /// Why the last scan that was made to its end gave nothing, if its timing was in doubt.
   [[nodiscard]] const std::optional<ScanDoubt>& doubt() const noexcept { return doubt_; }
@@ -132,8 +132,8 @@ class SensorHead {
   hal::Rangefinder& rangefinder_;
   ScanScheduler scheduler_;
   ScanAssembler assembler_;
-  LatencyCalibration calibration_;
-  MotionDetector motion_;
+  core::LatencyCalibration calibration_;
+  core::MotionDetector motion_;
   LevellingConfig levelling_;
   std::optional<core::Attitude> attitude_;       // of the sensor, now
   std::optional<core::Attitude> scan_attitude_;  // at the beginning of the scan

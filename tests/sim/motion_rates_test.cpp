@@ -2,7 +2,7 @@
 // Scanlines come straight from the world; the sensor moves between and within them. SLAMSENSOR_MOTION_SCANS
 // says how many scans of each kind in each world (default 6; 100 for the table).
 
-#include "firmware/scan/motion_detector.hpp"
+#include "core/sweep/motion_detector.hpp"
 #include "tests/support/source_tree.hpp"
 #include "tools/world/drive.hpp"
 #include "tools/world/random.hpp"
@@ -117,7 +117,7 @@ class MovedScan {
     mount_.roll_rad = 0.01 * draw_normal(rng);
     mount_.pitch_rad = 0.01 * draw_normal(rng);
     const double begin_s = draw_uniform(rng, 0.0, 10'000.0);
-    firmware::MotionDetector detector({});
+    core::MotionDetector detector({});
     detector.begin_scan();
     for (std::uint32_t line = 0; line < head_.lines && !detector.has_moved(); ++line) {
       detector.add(sweep(line, stand_W, motion, begin_s, rng));
@@ -126,8 +126,8 @@ class MovedScan {
   }
 
  private:
-  const firmware::Scanline& sweep(std::uint32_t number, const core::Pose2& stand_W, const Motion& motion,
-                                  double begin_s, Random& rng) {
+  const core::Scanline& sweep(std::uint32_t number, const core::Pose2& stand_W, const Motion& motion,
+                              double begin_s, Random& rng) {
     const bool leftwards = number % 2 == 0;
     const double tilt_rad = head_.tilt_min_rad + number * head_.tilt_step_rad;
     const double readings = 2.0 * Head::kPanMax_rad / head_.speed_radps * head_.rate_hz;
@@ -147,7 +147,7 @@ class MovedScan {
     }
     line_.readings = readings_;
     line_.tilt_rad = tilt_rad;
-    line_.direction = leftwards ? firmware::SweepDirection::Leftwards : firmware::SweepDirection::Rightwards;
+    line_.direction = leftwards ? core::SweepDirection::Leftwards : core::SweepDirection::Rightwards;
     line_.line = number;
     return line_;
   }
@@ -156,7 +156,7 @@ class MovedScan {
   Head head_;
   SweepConfig mount_;
   std::vector<core::Reading> readings_;
-  firmware::Scanline line_;
+  core::Scanline line_;
 };
 
 struct Case {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "firmware/scan/scanline.hpp"
+#include "core/sweep/swept_line.hpp"
 #include "tests/support/fake_head.hpp"
 
 #include <algorithm>
@@ -11,6 +11,9 @@
 #include <vector>
 
 namespace slamsensor::firmware {
+
+using core::Scanline;
+using core::SweepDirection;
 
 /// Where a sensor stands and looks.
 struct Place {

@@ -1,4 +1,4 @@
-#include "firmware/scan/latency_calibration.hpp"
+#include "core/sweep/latency_calibration.hpp"
 
 #include "tests/unit/firmware/scan/head_scene.hpp"
 
@@ -10,6 +10,9 @@
 
 namespace slamsensor::firmware {
 namespace {
+
+using core::LatencyCalibration;
+using core::LatencyEvent;
 
 constexpr double kSpeed_radps = 1000 * kPaperStep_rad;
 constexpr double kPanMax_rad = 2000 * kPaperStep_rad;
@@ -65,7 +68,7 @@ void pass(LatencyCalibration& calibration, double latency_s, std::uint32_t lines
 TEST(LatencyCalibration, FindsLatenciesOfEitherSign) {
   // All lines have their readings at the same places, so that the error of an edge does not average out.
   for (const double latency_s : {-0.05, -0.0203, 0.0, 0.0001, 0.00525, 0.0201, 0.055}) {
-    LatencyCalibration calibration({}, 100);
+    LatencyCalibration calibration({});
     pass(calibration, latency_s);
     EXPECT_NEAR(calibration.latency().latency_s, latency_s, 1e-4) << latency_s;
     EXPECT_LT(calibration.latency().sigma_s, 2e-4);
@@ -84,7 +87,7 @@ TEST(LatencyCalibration, NoiseAndPeopleDoNotMoveIt) {
       const double range_m = std::abs(pan_rad - person_rad) < 0.04 ? 5.0 : posts_m(pan_rad, line);
       return range_m > 0.0 ? range_m + 0.35 * (tests::draw(rng) - 0.5) : range_m;
     };
-    LatencyCalibration calibration({}, 100);
+    LatencyCalibration calibration({});
     pass(calibration, 0.012, 6, busy);
     EXPECT_NEAR(calibration.latency().latency_s, 0.012, 1e-4) << "seed " << seed;
   }
@@ -94,7 +97,7 @@ TEST(LatencyCalibration, WhatTheTiltDisplacesCancels) {
   const auto leaning = [](double pan_rad, std::uint32_t line) {
     return posts_m(pan_rad - 2e-4 * line, line);  // all stems lean to the left: 0.22 ms a line
   };
-  LatencyCalibration calibration({}, 100);
+  LatencyCalibration calibration({});
   pass(calibration, 0.004, 11, leaning);
   EXPECT_NEAR(calibration.latency().latency_s, 0.004, 5e-5);
   EXPECT_GT(std::abs(calibration.pairs()[0].latency_s - calibration.pairs()[1].latency_s), 1e-4);
@@ -103,7 +106,7 @@ TEST(LatencyCalibration, WhatTheTiltDisplacesCancels) {
 TEST(LatencyCalibration, AWorldWithoutEdgesIsRefused) {
   LatencyConfig config;
   config.initial_s = 0.004;
-  LatencyCalibration calibration(config, 100);
+  LatencyCalibration calibration(config);
   std::mt19937_64 rng(3);
   pass(calibration, 0.02, 4, [&](double, std::uint32_t) { return 40.0 + 0.3 * (tests::draw(rng) - 0.5); });
   EXPECT_EQ(calibration.count(LatencyEvent::PairsNoEdges), 3U);
@@ -113,7 +116,7 @@ TEST(LatencyCalibration, AWorldWithoutEdgesIsRefused) {
 }
 
 TEST(LatencyCalibration, AFenceOfEvenPostsIsRefused) {
-  LatencyCalibration calibration({}, 100);
+  LatencyCalibration calibration({});
   pass(calibration, 0.0, 4, [](double pan_rad, std::uint32_t) {
     return std::fmod(pan_rad + 10.0, 0.05) < 0.01 ? 10.0 : 60.0;  // the same again after 28 ms
   });
@@ -124,13 +127,13 @@ TEST(LatencyCalibration, AFenceOfEvenPostsIsRefused) {
 TEST(LatencyCalibration, ALatencyBeyondTheSearchIsNotMadeUp) {
   LatencyConfig config;
   config.search_s = 0.01;
-  LatencyCalibration calibration(config, 100);
+  LatencyCalibration calibration(config);
   pass(calibration, 0.02);
   EXPECT_EQ(calibration.count(LatencyEvent::PairsUsed), 0U);
 }
 
 TEST(LatencyCalibration, DeparturesAreCountedAndBelievedAfterConfirmation) {
-  LatencyCalibration calibration({}, 100);
+  LatencyCalibration calibration({});
   pass(calibration, 0.003);
   pass(calibration, 0.010);  // once: an accident
   EXPECT_NEAR(calibration.latency().latency_s, 0.003, 1e-4);
@@ -147,7 +150,7 @@ TEST(LatencyCalibration, DeparturesAreCountedAndBelievedAfterConfirmation) {
 }
 
 TEST(LatencyCalibration, WorkThatIsNotDoneInTimeIsDropped) {
-  LatencyCalibration calibration({}, 100);
+  LatencyCalibration calibration({});
   calibration.begin_pass(-kPanMax_rad, kPanMax_rad, kPaperStep_rad);
   for (std::uint32_t number = 0; number < 3; ++number) {
     calibration.add(FakeLine(number, 0.0, 0.0, posts_m).line);
@@ -160,7 +163,7 @@ TEST(LatencyCalibration, WorkThatIsNotDoneInTimeIsDropped) {
 }
 
 TEST(LatencyCalibration, LinesThatAreNotNeighboursAreNoPair) {
-  LatencyCalibration calibration({}, 100);
+  LatencyCalibration calibration({});
   calibration.begin_pass(-kPanMax_rad, kPanMax_rad, kPaperStep_rad);
   calibration.add(FakeLine(0, 0.0, 0.0, posts_m).line);
   calibration.add(FakeLine(3, 0.0, 0.0, posts_m).line);
@@ -170,7 +173,7 @@ TEST(LatencyCalibration, LinesThatAreNotNeighboursAreNoPair) {
 }
 
 TEST(LatencyCalibration, ANarrowSweepIsRefused) {
-  LatencyCalibration calibration({}, 100);
+  LatencyCalibration calibration({});
   calibration.begin_pass(-0.05, 0.05, kPaperStep_rad);
   calibration.add(FakeLine(0, 0.0, 0.0, posts_m).line);
   calibration.add(FakeLine(1, 0.0, 0.0, posts_m).line);
@@ -182,7 +185,7 @@ TEST(LatencyCalibration, SwitchedOffItLeavesTheConfiguredValue) {
   LatencyConfig config;
   config.self_calibration = false;
   config.initial_s = -0.002;
-  LatencyCalibration calibration(config, 100);
+  LatencyCalibration calibration(config);
   pass(calibration, 0.01);
   EXPECT_EQ(calibration.latency().latency_s, -0.002);
   EXPECT_EQ(calibration.latency().sigma_s, 0.0);

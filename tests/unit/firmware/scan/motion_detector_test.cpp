@@ -1,4 +1,4 @@
-#include "firmware/scan/motion_detector.hpp"
+#include "core/sweep/motion_detector.hpp"
 
 #include "tests/unit/firmware/scan/carried_scene.hpp"
 
@@ -10,6 +10,13 @@
 
 namespace slamsensor::firmware {
 namespace {
+
+using core::LineMarks;
+using core::Mark;
+using core::MarkKind;
+using core::MotionConfig;
+using core::MotionDetector;
+using core::MotionEvent;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::uint32_t kLines = 20;

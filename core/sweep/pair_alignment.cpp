@@ -1,12 +1,27 @@
-#include "firmware/scan/pair_alignment.hpp"
+#include "core/sweep/pair_alignment.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
-namespace slamsensor::firmware {
+namespace slamsensor::core {
 namespace {
 
-constexpr std::size_t kLagsMax = 1025;
+constexpr double kGapCells = 4.0;  // readings farther apart are not joined
+
+/// Makes it `count` copies of `value`, as far as there is room.
+template <typename T, std::size_t N>
+void fill(FixedVector<T, N>& vector, std::size_t count, T value) noexcept {
+  vector.clear();
+  while (vector.size() < count && vector.try_push_back(value)) {
+  }
+}
+
+double height_of(const Reading& reading, double range_max_m) noexcept {
+  const double range_m = reading.has_return() ? std::min(reading.range_m, range_max_m) : range_max_m;
+  return RangeProfile::kPerUnit * std::log1p(range_m);
+}
+
 constexpr std::size_t kLagsPerStep = 4;
 constexpr std::size_t kFlank = 3;   // lags to each side whose heights are compared
 constexpr std::int32_t kCut = 400;  // profile units: ranges 1.5 times as large
@@ -28,8 +43,58 @@ std::int64_t half_below(std::int64_t lag) noexcept {
 
 }  // namespace
 
-PairAlignment::PairAlignment(const LatencyConfig& config) : config_(config) {
-  costs_.resize(kLagsMax);
+ProfileGrid make_grid(double pan_min_rad, double pan_max_rad, double reading_rad) noexcept {
+  const double span_rad = pan_max_rad - pan_min_rad;
+  const double cell_rad = std::max(reading_rad, span_rad / static_cast<double>(kProfileCellsMax - 1));
+  return {pan_min_rad, cell_rad, static_cast<std::size_t>(span_rad / cell_rad * (1.0 + 1e-12)) + 1};
+}
+
+void RangeProfile::build(const Scanline& line, const ProfileGrid& grid, double range_max_m) noexcept {
+  direction_ = line.direction;
+  line_ = line.line;
+  pan_radps_ = line.pan_radps;
+  fit_sigma_s_ = line.fit_sigma_s;
+  latency_s_ = line.latency_s;
+  fill(raw_, grid.cells, -1.0);
+  const auto is_steady = [&](const Reading& reading) {
+    return reading.pan_rad >= line.steady_min_rad && reading.pan_rad <= line.steady_max_rad;
+  };
+  for (std::size_t i = 1; i < line.readings.size(); ++i) {
+    const Reading& a = line.readings[i - 1];
+    const Reading& b = line.readings[i];
+    if (is_steady(a) && is_steady(b)) {
+      const bool ordered = a.pan_rad <= b.pan_rad;
+      draw(grid, ordered ? a : b, ordered ? b : a, range_max_m);
+    }
+  }
+  smooth();
+}
+
+/// Fills the cells between two readings by a straight line.
+void RangeProfile::draw(const ProfileGrid& grid, const Reading& from, const Reading& to,
+                        double range_max_m) noexcept {
+  const double from_cell = (from.pan_rad - grid.min_rad) / grid.cell_rad;
+  const double to_cell = (to.pan_rad - grid.min_rad) / grid.cell_rad;
+  const double last = static_cast<double>(raw_.size()) - 1.0;
+  const double width = to_cell - from_cell;
+  if (!(width > 0.0) || width > kGapCells || !(to_cell >= 0.0) || !(from_cell <= last)) {
+    return;
+  }
+  const double from_height = height_of(from, range_max_m);
+  const double to_height = height_of(to, range_max_m);
+  for (double cell = std::max(0.0, std::ceil(from_cell)); cell <= std::min(last, to_cell); cell += 1.0) {
+    const double share = (cell - from_cell) / width;
+    raw_[static_cast<std::size_t>(cell)] = from_height + share * (to_height - from_height);
+  }
+}
+
+void RangeProfile::smooth() noexcept {
+  fill(smooth_, raw_.size(), kHole);
+  for (std::size_t i = 1; i + 1 < raw_.size(); ++i) {
+    if (raw_[i - 1] >= 0.0 && raw_[i] >= 0.0 && raw_[i + 1] >= 0.0) {
+      smooth_[i] = static_cast<std::int16_t>(std::lround(0.25 * (raw_[i - 1] + 2.0 * raw_[i] + raw_[i + 1])));
+    }
+  }
 }
 
 void PairAlignment::begin(const RangeProfile& earlier, const RangeProfile& later,
@@ -54,13 +119,13 @@ void PairAlignment::begin(const RangeProfile& earlier, const RangeProfile& later
   window_ = cells > 2 * margin_ ? cells - 2 * margin_ : 0;
 }
 
-std::optional<tl::expected<PairEstimate, PairProblem>> PairAlignment::step() noexcept {
+std::optional<PairOutcome> PairAlignment::step() noexcept {
   if (!is_busy()) {
     return std::nullopt;
   }
   if (window_ < 2 * margin_ || window_ < kSectors) {
     abandon();
-    return tl::unexpected(PairProblem::NoOverlap);
+    return PairProblem::NoOverlap;
   }
   for (std::size_t i = 0; i < kLagsPerStep && is_busy(); ++i) {
     try_lag(next_lag_++);
@@ -150,20 +215,20 @@ double PairAlignment::latency_of(double lag) const noexcept {
   return base_s_ + (static_cast<double>(first_lag_) + lag) * lag_s_;
 }
 
-tl::expected<PairEstimate, PairProblem> PairAlignment::conclude() const noexcept {
+PairOutcome PairAlignment::conclude() const noexcept {
   std::size_t best = 0;
   for (std::size_t i = 1; i < lags_; ++i) {
     best = cost(i) < cost(best) ? i : best;
   }
   const auto contrast = static_cast<double>(typical_cost() - cost(best));
   if (contrast < kContrastMin * static_cast<double>(window_)) {
-    return tl::unexpected(PairProblem::NoEdges);
+    return PairProblem::NoEdges;
   }
   if (best < kFlank + 1 || best + kFlank + 1 >= lags_) {
-    return tl::unexpected(PairProblem::AtLimit);
+    return PairProblem::AtLimit;
   }
   if (static_cast<double>(typical_cost() - second_best(best)) > kAmbiguousShare * contrast) {
-    return tl::unexpected(PairProblem::Ambiguous);
+    return PairProblem::Ambiguous;
   }
   const double lag = valley(best, kSectors);
   double sum = 0.0;
@@ -176,9 +241,9 @@ tl::expected<PairEstimate, PairProblem> PairAlignment::conclude() const noexcept
   const double fits_s = 0.5 * std::hypot(leftwards_->fit_sigma_s(), rightwards_->fit_sigma_s());
   const double sigma_s = std::hypot(edges_s, fits_s);
   if (!(sigma_s <= config_.pair_sigma_max_s)) {
-    return tl::unexpected(PairProblem::Unsure);
+    return PairProblem::Unsure;
   }
   return PairEstimate{latency_of(lag), sigma_s, lag_s_, first_};
 }
 
-}  // namespace slamsensor::firmware
+}  // namespace slamsensor::core

@@ -1,15 +1,14 @@
-#include "firmware/scan/motion_fit.hpp"
+#include "core/sweep/motion_fit.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 
-namespace slamsensor::firmware {
+namespace slamsensor::core {
 namespace {
 
 constexpr int kHuberRounds = 4;
@@ -51,11 +50,6 @@ struct MotionFitter::Normal {
     return {x[0], x[1], x[2], x[3], x[4], x[5]};
   }
 };
-
-MotionFitter::MotionFitter() {
-  rows_.reserve(2 * kMarksMax);
-  sorted_.resize(2 * kMarksMax);
-}
 
 std::optional<MotionEstimate> MotionFitter::fit(std::span<const MarkShift> shifts, MotionKind kind,
                                                 std::uint32_t things_min) noexcept {
@@ -113,7 +107,7 @@ void MotionFitter::collect(std::span<const MarkShift> shifts, MotionKind kind) n
 
 void MotionFitter::add_row(const std::array<double, 3>& motion, double recession, double value,
                            double sigma) noexcept {
-  if (rows_.size() == rows_.capacity() || !(sigma > 0.0)) {
+  if (!(sigma > 0.0)) {
     return;
   }
   Row row;
@@ -125,7 +119,7 @@ void MotionFitter::add_row(const std::array<double, 3>& motion, double recession
   row.coefficients[5] = -rise_m_ * motion[1] / sigma;
   row.value = value / sigma;
   row.sector = sector_;
-  rows_.push_back(row);
+  static_cast<void>(rows_.try_push_back(row));  // there is room for two of each mark
 }
 
 void MotionFitter::update_residuals(const Solution& solution) noexcept {
@@ -196,7 +190,12 @@ MotionEstimate MotionFitter::judge() noexcept {
       used += 1.0;
     }
   }
-  const Normal::Matrix spread = scale_ * scale_ * all.a.inverse();
+  // Column by column: Eigen's inverse keeps static variables, which core must not.
+  const auto factors = all.a.ldlt();
+  Normal::Matrix spread;
+  for (Eigen::Index i = 0; i < spread.cols(); ++i) {
+    spread.col(i) = scale_ * scale_ * factors.solve(Normal::Vector::Unit(i));
+  }
   const double along_m2 = along_x * along_x * spread(0, 0) + along_y * along_y * spread(1, 1) +
                           2.0 * along_x * along_y * spread(0, 1);
   const double share = used >= kSectorsMin ? (used - 1.0) / used : 1e6;  // one direction tells nothing
@@ -205,4 +204,4 @@ MotionEstimate MotionFitter::judge() noexcept {
   return estimate;
 }
 
-}  // namespace slamsensor::firmware
+}  // namespace slamsensor::core

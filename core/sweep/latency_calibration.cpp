@@ -1,9 +1,10 @@
-#include "firmware/scan/latency_calibration.hpp"
+#include "core/sweep/latency_calibration.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
-namespace slamsensor::firmware {
+namespace slamsensor::core {
 namespace {
 
 constexpr double kToSigma = 1.4826;  // median of absolute deviations to standard deviation
@@ -57,16 +58,10 @@ struct Mean {
 
 }  // namespace
 
-LatencyCalibration::LatencyCalibration(const LatencyConfig& config, std::size_t pairs_max)
+LatencyCalibration::LatencyCalibration(const LatencyConfig& config) noexcept
     : config_(config),
       alignment_(config),
-      latency_{config.initial_s, config.self_calibration ? config.initial_sigma_s : 0.0},
-      counters_({"latency_pairs_used", "latency_pairs_no_overlap", "latency_pairs_no_edges",
-                 "latency_pairs_ambiguous", "latency_pairs_at_limit", "latency_pairs_unsure",
-                 "latency_pairs_dropped", "latency_passes_refused", "latency_passes_taken",
-                 "latency_departed", "latency_taken_over"}) {
-  pairs_.reserve(pairs_max);
-  sorted_.resize(pairs_max);
+      latency_{config.initial_s, config.self_calibration ? config.initial_sigma_s : 0.0} {
 }
 
 void LatencyCalibration::begin_pass(double pan_min_rad, double pan_max_rad, double reading_rad) noexcept {
@@ -110,13 +105,10 @@ void LatencyCalibration::step() noexcept {
     return;
   }
   ++looked_at_;
-  if (!*outcome) {
-    counters_.count(event_of(outcome->error()));
-  } else if (pairs_.size() == pairs_.capacity()) {
-    counters_.count(LatencyEvent::PairsDropped);
-  } else {
-    counters_.count(LatencyEvent::PairsUsed);
-    pairs_.push_back(**outcome);
+  if (const auto* const pair = std::get_if<PairEstimate>(&*outcome)) {
+    counters_.count(pairs_.try_push_back(*pair) ? LatencyEvent::PairsUsed : LatencyEvent::PairsDropped);
+  } else if (const auto* const problem = std::get_if<PairProblem>(&*outcome)) {
+    counters_.count(event_of(*problem));
   }
 }
 
@@ -156,7 +148,7 @@ std::optional<Latency> LatencyCalibration::combine() noexcept {
   if (count == 0 || count < config_.pairs_min) {
     return std::nullopt;
   }
-  const double common_s = kCommonCells * pairs_.front().cell_s;
+  const double common_s = kCommonCells * pairs_[0].cell_s;
   if (means[0].count == 0 || means[1].count == 0) {
     const Mean& only = means[means[0].count == 0 ? 1 : 0];
     return Latency{median_s + only.mean_s(), std::hypot(only.sigma_s(), common_s), count};
@@ -238,4 +230,4 @@ void LatencyCalibration::depart(const Latency& pass) noexcept {
   }
 }
 
-}  // namespace slamsensor::firmware
+}  // namespace slamsensor::core

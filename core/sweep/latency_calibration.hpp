@@ -1,19 +1,28 @@
 #pragma once
 
-#include "firmware/scan/latency.hpp"
-#include "firmware/scan/pair_alignment.hpp"
-#include "firmware/scan/range_profile.hpp"
-#include "firmware/scan/scan_config.hpp"
-#include "hal/counters.hpp"
+#include "core/memory/fixed_vector.hpp"
+#include "core/sweep/pair_alignment.hpp"
+#include "core/sweep/sweep_config.hpp"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
-#include <vector>
 
-namespace slamsensor::firmware {
+namespace slamsensor::core {
+
+/// The latency between the two devices as it is known: what must be added to the stamp of a reading to get
+/// the time at which the polls show the axis where the reading was made.
+struct Latency {
+  double latency_s = 0.0;
+  double sigma_s = 0.0;
+  std::uint32_t pairs = 0;  ///< that the last pass taken was made of; 0 while it is the configured value
+  /// Of the polls that it was found with (Scanline::half_width_s). Polls with a greater one may be off by the
+  /// difference: their stamps have moved within it by nobody knows how much. Infinite while not known.
+  double half_width_s = std::numeric_limits<double>::infinity();
+};
 
 enum class LatencyEvent : std::uint8_t {
   PairsUsed,
@@ -38,8 +47,10 @@ inline constexpr std::size_t kLatencyEvents = 11;
 /// that agree with one another. No allocation after construction; one thread.
 class LatencyCalibration {
  public:
-  /// Room for `pairs_max` pairs of a pass.
-  LatencyCalibration(const LatencyConfig& config, std::size_t pairs_max);
+  /// Of a pass; more are dropped.
+  static constexpr std::size_t kPairsMax = 10'000;
+
+  explicit LatencyCalibration(const LatencyConfig& config) noexcept;
 
   /// A new pass of lines with readings about `reading_rad` apart between pan_min_rad and pan_max_rad. What is
   /// left of an earlier one is dropped.
@@ -59,8 +70,7 @@ class LatencyCalibration {
   void end_pass() noexcept;
 
   [[nodiscard]] const Latency& latency() const noexcept { return latency_; }
-  [[nodiscard]] std::span<const PairEstimate> pairs() const noexcept { return pairs_; }
-  [[nodiscard]] std::span<const hal::Counter> counters() const noexcept { return counters_.all(); }
+  [[nodiscard]] std::span<const PairEstimate> pairs() const noexcept { return pairs_.span(); }
   [[nodiscard]] std::uint64_t count(LatencyEvent event) const noexcept { return counters_[event]; }
 
  private:
@@ -79,15 +89,15 @@ class LatencyCalibration {
   std::array<RangeProfile, 2> profiles_;
   std::size_t newest_ = 0;  // of the profiles
   bool has_line_ = false;
-  std::vector<PairEstimate> pairs_;
-  std::vector<double> sorted_;
+  FixedVector<PairEstimate, kPairsMax> pairs_;
+  std::array<double, kPairsMax> sorted_{};
   std::uint32_t looked_at_ = 0;  // pairs of this pass
   double half_widths_sum_s_ = 0.0;
   std::uint32_t half_widths_ = 0;
   Latency latency_;
   Latency departed_;
   std::uint32_t departures_ = 0;  // in a row that agree with departed_
-  hal::Counters<LatencyEvent, kLatencyEvents> counters_;
+  EventCounts<LatencyEvent, kLatencyEvents> counters_;
 };
 
-}  // namespace slamsensor::firmware
+}  // namespace slamsensor::core

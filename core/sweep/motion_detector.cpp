@@ -1,10 +1,10 @@
-#include "firmware/scan/motion_detector.hpp"
+#include "core/sweep/motion_detector.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-namespace slamsensor::firmware {
+namespace slamsensor::core {
 namespace {
 
 constexpr double kAgreeingMin = 0.4;      // of an estimate
@@ -25,13 +25,6 @@ bool agree(const MotionEstimate& a, const MotionEstimate& b, const MotionConfig&
 }
 
 }  // namespace
-
-MotionDetector::MotionDetector(const MotionConfig& config)
-    : config_(config),
-      counters_({"motion_lines_judged", "motion_lines_not_judged", "motion_lines_suspect",
-                 "motion_scans_displaced", "motion_scans_changed", "motion_scans_incoherent",
-                 "motion_marks_dropped"}) {
-}
 
 void MotionDetector::begin_scan() noexcept {
   tracks_.clear();
@@ -126,4 +119,4 @@ void MotionDetector::give_up(MotionEvent why) noexcept {
   counters_.count(why);
 }
 
-}  // namespace slamsensor::firmware
+}  // namespace slamsensor::core

@@ -1,10 +1,8 @@
 #pragma once
 
-#include "firmware/scan/line_marks.hpp"
-#include "firmware/scan/mark_tracks.hpp"
-#include "firmware/scan/motion_fit.hpp"
-#include "firmware/scan/scan_config.hpp"
-#include "hal/counters.hpp"
+#include "core/sweep/marks.hpp"
+#include "core/sweep/motion_fit.hpp"
+#include "core/sweep/sweep_config.hpp"
 
 #include <array>
 #include <cstddef>
@@ -12,7 +10,7 @@
 #include <optional>
 #include <span>
 
-namespace slamsensor::firmware {
+namespace slamsensor::core {
 
 enum class MotionEvent : std::uint8_t {
   LinesJudged,      ///< that showed enough to tell how the sensor moved
@@ -39,7 +37,7 @@ struct MotionReport {
 /// the readings; one thread.
 class MotionDetector {
  public:
-  explicit MotionDetector(const MotionConfig& config);
+  explicit MotionDetector(const MotionConfig& config) noexcept : config_(config) {}
 
   /// A new scan.
   void begin_scan() noexcept;
@@ -49,7 +47,6 @@ class MotionDetector {
   /// Whether the carrier has moved since begin_scan(). Stays true until the next one.
   [[nodiscard]] bool has_moved() const noexcept { return has_moved_; }
   [[nodiscard]] const MotionReport& last_line() const noexcept { return report_; }
-  [[nodiscard]] std::span<const hal::Counter> counters() const noexcept { return counters_.all(); }
   [[nodiscard]] std::uint64_t count(MotionEvent event) const noexcept { return counters_[event]; }
 
  private:
@@ -71,7 +68,7 @@ class MotionDetector {
   double known_share_ = 0.0;                               // of what the last line saw
   bool is_broken_ = false;                                 // the last line: see breaks_off()
   bool has_moved_ = false;
-  hal::Counters<MotionEvent, kMotionEvents> counters_;
+  EventCounts<MotionEvent, kMotionEvents> counters_;
 };
 
-}  // namespace slamsensor::firmware
+}  // namespace slamsensor::core

@@ -1,12 +1,12 @@
 #pragma once
 
 #include "core/reading.hpp"
-#include "hal/stamp.hpp"
 
+#include <chrono>
 #include <cstdint>
 #include <span>
 
-namespace slamsensor::firmware {
+namespace slamsensor::core {
 
 enum class SweepDirection : std::uint8_t {
   Leftwards,   ///< counter-clockwise: pan grows
@@ -16,9 +16,9 @@ enum class SweepDirection : std::uint8_t {
 /// One sweep of the pan axis at one tilt: where the names of hal end. The spans are the assembler's and valid
 /// until it begins the next line.
 struct Scanline {
-  std::span<const core::Reading> readings;  ///< in the order of time
-  std::span<const hal::Stamp> stamps;       ///< of each reading, as the rangefinder's driver told it
-  double tilt_rad = 0.0;                    ///< as the resting axis reported it
+  std::span<const Reading> readings;                 ///< in the order of time
+  std::span<const std::chrono::nanoseconds> stamps;  ///< of each reading, as the rangefinder's driver told it
+  double tilt_rad = 0.0;                             ///< as the resting axis reported it
   SweepDirection direction = SweepDirection::Leftwards;
   double pan_sigma_rad =
       0.0;  ///< 1 sigma of a reading's pan, the latency's and a change of half_width_s included
@@ -31,4 +31,4 @@ struct Scanline {
   double latency_s = 0.0;     ///< that was added to the stamps to tell pan from them
 };
 
-}  // namespace slamsensor::firmware
+}  // namespace slamsensor::core

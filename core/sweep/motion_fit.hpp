@@ -1,12 +1,14 @@
 #pragma once
 
-#include "firmware/scan/mark_tracks.hpp"
+#include "core/memory/fixed_vector.hpp"
+#include "core/sweep/marks.hpp"
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
-namespace slamsensor::firmware {
+namespace slamsensor::core {
 
 /// How the sensor would have moved.
 enum class MotionKind : std::uint8_t {
@@ -33,8 +35,6 @@ struct MotionEstimate {
 /// by itself in one direction moves nothing. No allocation after construction; one thread.
 class MotionFitter {
  public:
-  MotionFitter();
-
   /// Nothing when the shifts are fewer than `things_min`, or all in one direction.
   [[nodiscard]] std::optional<MotionEstimate> fit(std::span<const MarkShift> shifts, MotionKind kind,
                                                   std::uint32_t things_min) noexcept;
@@ -62,12 +62,12 @@ class MotionFitter {
   void weigh_tukey() noexcept;
   [[nodiscard]] MotionEstimate judge() noexcept;
 
-  std::vector<Row> rows_;
-  std::vector<double> sorted_;
+  FixedVector<Row, 2 * kMarksMax> rows_;
+  std::array<double, 2 * kMarksMax> sorted_{};
   double scale_ = 1.0;
   double age_share_ = 1.0;  // of the shift that is being collected
   double rise_m_ = 0.0;
   std::size_t sector_ = 0;
 };
 
-}  // namespace slamsensor::firmware
+}  // namespace slamsensor::core
