@@ -1,7 +1,7 @@
 // The daemon slamsensord: arguments, configuration, and an exit status that tells what was wrong (sysexits).
 #include "firmware/config/layered_config.hpp"
 #include "firmware/daemon/daemon.hpp"
-#include "firmware/daemon/version.hpp"
+#include "firmware/status/sensor_status.hpp"
 
 #include <cstdio>
 #include <getopt.h>

@@ -1,4 +1,4 @@
-#include "firmware/daemon/version.hpp"
+#include "firmware/status/sensor_status.hpp"
 #include "tools/commands/command.hpp"
 #include "tools/report/report_command.hpp"
 

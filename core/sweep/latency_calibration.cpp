@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <variant>
 
 namespace slamsensor::core {
 namespace {
@@ -105,10 +104,10 @@ void LatencyCalibration::step() noexcept {
     return;
   }
   ++looked_at_;
-  if (const auto* const pair = std::get_if<PairEstimate>(&*outcome)) {
-    counters_.count(pairs_.try_push_back(*pair) ? LatencyEvent::PairsUsed : LatencyEvent::PairsDropped);
-  } else if (const auto* const problem = std::get_if<PairProblem>(&*outcome)) {
-    counters_.count(event_of(*problem));
+  if (!*outcome) {
+    counters_.count(event_of(outcome->error()));
+  } else {
+    counters_.count(pairs_.try_push_back(**outcome) ? LatencyEvent::PairsUsed : LatencyEvent::PairsDropped);
   }
 }
 

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <variant>
 
 namespace slamsensor::core {
 
@@ -77,7 +76,7 @@ struct PairEstimate {
   SweepDirection first = SweepDirection::Leftwards;  ///< of the earlier line
 };
 
-using PairOutcome = std::variant<PairEstimate, PairProblem>;
+using PairOutcome = Outcome<PairEstimate, PairProblem>;
 
 /// Finds the latency at which two lines swept in opposite directions show the same world. A latency tau
 /// moves what a line sees by speed * tau against its direction, so that two opposite lines are displaced by

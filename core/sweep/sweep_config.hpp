@@ -3,8 +3,28 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace slamsensor::core {
+
+/// How a unit makes a whole position out of where its axis is.
+enum class PositionRounding : std::uint8_t {
+  Nearest,     ///< to the nearest position
+  Down,        ///< to the next position to the right or below
+  TowardZero,  ///< to the next position towards 0
+};
+
+/// How the pan angle is fitted over a line's polls.
+struct PanFitConfig {
+  std::uint32_t polls_min = 5;        ///< [3, 1000] polls of the moving axis that a line needs
+  double poll_jitter_s = 0.001;       ///< [0, 0.1] s: 1 sigma of when a poll is answered, half width apart
+  double speed_error_sigma = 300e-6;  ///< [0, 0.1] share: 1 sigma of the unit's clock, known before the line
+  double speed_error_max = 0.02;      ///< [0, 0.5] share: a line that ran more off than this is rejected
+  double outliers_max_share = 0.3;    ///< [0, 0.5] a line with more polls off the fit is rejected
+  double path_tolerance_rad = 1.75e-3;  ///< [0, 10 deg]: 0.1 deg; a stretch of a line off the motion model by
+                                        ///< this much, and more than chance does, rejects the line
+  PositionRounding rounding = PositionRounding::Nearest;  ///< nearest, down, toward_zero
+};
 
 /// How the constant latency between the two devices is found by the sensor itself.
 struct LatencyConfig {
@@ -33,6 +53,32 @@ struct MotionConfig {
   double coherent_share_min = 0.5;  ///< [0, 1] of what a line sees: so much the lines before must have seen
 };
 
+/// Room of a ScanAssembler, and how long it waits for late samples after the end of a line.
+struct AssemblerConfig {
+  std::uint32_t readings_per_line_max = 120'000;
+  std::uint32_t polls_per_line_max = 2'000;
+  double late_data_s = 0.1;
+};
+
+/// A value, or why there is none.
+template <typename Value, typename Problem>
+class Outcome {
+ public:
+  Outcome(const Value& value) noexcept : value_(value), has_value_(true) {}
+  Outcome(Problem problem) noexcept : problem_(problem) {}
+
+  [[nodiscard]] bool has_value() const noexcept { return has_value_; }
+  [[nodiscard]] explicit operator bool() const noexcept { return has_value_; }
+  [[nodiscard]] const Value& operator*() const noexcept { return value_; }
+  [[nodiscard]] const Value* operator->() const noexcept { return &value_; }
+  [[nodiscard]] Problem error() const noexcept { return problem_; }
+
+ private:
+  Value value_{};
+  Problem problem_{};
+  bool has_value_ = false;
+};
+
 /// How often each event of a station happened since construction, by the number of its enumerator.
 template <typename Event, std::size_t kCount>
 class EventCounts {
@@ -43,6 +89,7 @@ class EventCounts {
   [[nodiscard]] std::uint64_t operator[](Event event) const noexcept {
     return counts_[static_cast<std::size_t>(event)];
   }
+  [[nodiscard]] std::span<const std::uint64_t> all() const noexcept { return counts_; }
 
  private:
   std::array<std::uint64_t, kCount> counts_{};

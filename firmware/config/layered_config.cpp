@@ -6,6 +6,10 @@
 namespace slamsensor::firmware {
 namespace {
 
+std::string shown(const Setting& setting, const Config& config) {
+  return value_text(setting, config).value_or("none");
+}
+
 constexpr std::string_view kCommandLine = "--set";
 constexpr std::string_view kControl = "control socket";
 
@@ -36,6 +40,23 @@ void clear_section(LoadedConfig& loaded, const Section& section) {
   }
 }
 
+std::string_view section_of(std::string_view key) {
+  return key.substr(0, key.find('.'));
+}
+
+/// Lays the runtime layer over `onto`, and returns its mistakes but those between keys.
+Errors apply_runtime(LoadedConfig& onto, const std::vector<Assignment>& runtime) {
+  std::vector<Assignment> keys;
+  for (const Assignment& one : runtime) {
+    if (const Section* const absent = find_section(one.key)) {
+      clear_section(onto, *absent);
+    } else {
+      keys.push_back(one);
+    }
+  }
+  return apply_assignments(onto, keys, kControl);
+}
+
 /// Keys that need a restart: set in memory they would never come into force.
 Errors refuse_restart_keys(const std::vector<Assignment>& assignments) {
   Errors errors;
@@ -49,6 +70,40 @@ Errors refuse_restart_keys(const std::vector<Assignment>& assignments) {
 }
 
 }  // namespace
+
+std::string ConfigChange::text() const {
+  return std::string(setting().path) + ' ' + before + " -> " + after + " (" + origin.short_text() + ')' +
+         (is_live() ? "" : ": needs a restart");
+}
+
+std::vector<ConfigChange> changes(const LoadedConfig& before, const LoadedConfig& after) {
+  std::vector<ConfigChange> all;
+  for (std::size_t i = 0; i < settings().size(); ++i) {
+    std::string was = shown(settings()[i], before.config);
+    std::string is = shown(settings()[i], after.config);
+    if (was != is) {
+      all.push_back({i, std::move(was), std::move(is), after.origins[i]});
+    }
+  }
+  return all;
+}
+
+LoadedConfig with_live_changes(const LoadedConfig& running, const LoadedConfig& wanted) {
+  LoadedConfig mixed = running;
+  for (std::size_t i = 0; i < settings().size(); ++i) {
+    const Setting& setting = settings()[i];
+    if (setting.apply != Apply::Live) {
+      continue;
+    }
+    mixed.origins[i] = wanted.origins[i];
+    if (value_text(setting, wanted.config)) {
+      copy_setting(setting, wanted.config, mixed.config);
+    } else if (const Section* const section = find_section(setting.section()); section->is_optional()) {
+      section->clear(mixed.config);
+    }
+  }
+  return mixed;
+}
 
 tl::expected<LoadedConfig, std::vector<ConfigError>> load_layers(const ConfigSources& sources,
                                                                  LoadedConfig base) {
@@ -75,25 +130,22 @@ LayeredConfig::Result LayeredConfig::reload() {
 }
 
 LayeredConfig::Result LayeredConfig::set(const std::vector<Assignment>& assignments) {
-  Runtime runtime = runtime_;
+  std::vector<Assignment> runtime = runtime_;
   for (const Assignment& one : assignments) {
-    const std::string_view section = std::string_view(one.key).substr(0, one.key.find('.'));
-    std::erase_if(runtime.assignments, [&](const Assignment& old) { return old.key == one.key; });
-    std::erase_if(runtime.absent, [&](const std::string& absent) { return absent == section; });
-    runtime.assignments.push_back(one);
+    std::erase_if(
+        runtime, [&](const Assignment& old) { return old.key == one.key || old.key == section_of(one.key); });
+    runtime.push_back(one);
   }
-  return adopt(base_, refuse_restart_keys(assignments), runtime);
+  return adopt(base_, refuse_restart_keys(assignments), std::move(runtime));
 }
 
 LayeredConfig::Result LayeredConfig::unset(std::string_view key) {
-  Runtime runtime = runtime_;
-  const auto keys = std::erase_if(runtime.assignments, [&](const Assignment& one) { return one.key == key; });
-  const auto sections = std::erase_if(
-      runtime.absent, [&](const std::string& absent) { return absent == key.substr(0, key.find('.')); });
-  if (keys + sections == 0) {
+  std::vector<Assignment> runtime = runtime_;
+  const auto is_it = [&](const Assignment& one) { return one.key == key || one.key == section_of(key); };
+  if (std::erase_if(runtime, is_it) == 0) {
     return tl::unexpected(Errors{control_error(key, "has not been set here; nothing to take back")});
   }
-  return adopt(base_, {}, runtime);
+  return adopt(base_, {}, std::move(runtime));
 }
 
 LayeredConfig::Result LayeredConfig::set_absent(std::string_view section) {
@@ -106,19 +158,22 @@ LayeredConfig::Result LayeredConfig::set_absent(std::string_view section) {
     return tl::unexpected(
         Errors{control_error(section, "is no section that can be taken away from a running sensor")});
   }
-  Runtime runtime = runtime_;
-  std::erase_if(runtime.assignments,
-                [&](const Assignment& one) { return one.key.substr(0, one.key.find('.')) == section; });
-  runtime.absent.emplace_back(section);
-  return adopt(base_, {}, runtime);
+  std::vector<Assignment> runtime = runtime_;
+  std::erase_if(runtime, [&](const Assignment& one) { return section_of(one.key) == section; });
+  runtime.push_back({std::string(section), {}});
+  return adopt(base_, {}, std::move(runtime));
 }
 
-LayeredConfig::Result LayeredConfig::adopt(const LoadedConfig& base, Errors errors, const Runtime& runtime) {
+std::vector<ConfigChange> LayeredConfig::pending() const {
+  LoadedConfig wanted = base_;
+  static_cast<void>(apply_runtime(wanted, runtime_));  // without mistakes when it was adopted
+  return changes(current_, wanted);
+}
+
+LayeredConfig::Result LayeredConfig::adopt(const LoadedConfig& base, Errors errors,
+                                           std::vector<Assignment> runtime) {
   LoadedConfig wanted = base;
-  for (const std::string& section : runtime.absent) {
-    clear_section(wanted, *find_section(section));
-  }
-  append(errors, apply_assignments(wanted, runtime.assignments, kControl));
+  append(errors, apply_runtime(wanted, runtime));
   append(errors, check_config(wanted, errors));
   if (!errors.empty()) {
     return tl::unexpected(std::move(errors));
@@ -133,9 +188,8 @@ LayeredConfig::Result LayeredConfig::adopt(const LoadedConfig& base, Errors erro
   }
   Reconfiguration result{changes(current_, next), changes(next, wanted)};
   base_ = base;
-  wanted_ = std::move(wanted);
   current_ = next;
-  runtime_ = runtime;
+  runtime_ = std::move(runtime);
   return result;
 }
 

@@ -1,16 +1,36 @@
 #pragma once
 
-#include "firmware/config/assignment.hpp"
-#include "firmware/config/config_change.hpp"
 #include "firmware/config/load_config.hpp"
 
 #include <tl/expected.hpp>
 
+#include <cstddef>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace slamsensor::firmware {
+
+/// A key that has another value than before.
+struct ConfigChange {
+  std::size_t index = 0;  ///< in settings()
+  std::string before;     ///< as the file writes it; "none" while its section is absent
+  std::string after;
+  Origin origin;  ///< of the new value
+
+  [[nodiscard]] const Setting& setting() const { return settings()[index]; }
+  [[nodiscard]] bool is_live() const { return setting().apply == Apply::Live; }
+  /// For the log: "nmea.rate_hz 1.0 -> 5.0 (f.toml:12)", and ": needs a restart" behind it where it does.
+  [[nodiscard]] std::string text() const;
+};
+
+/// Every key that differs, in the order of settings(). Who set it does not count.
+[[nodiscard]] std::vector<ConfigChange> changes(const LoadedConfig& before, const LoadedConfig& after);
+
+/// `running` with those values of `wanted` that can change live, and their origins. Sections that may be
+/// absent are so afterwards where they are in `wanted` and live. Rules between keys are not checked.
+[[nodiscard]] LoadedConfig with_live_changes(const LoadedConfig& running, const LoadedConfig& wanted);
 
 /// Where a configuration comes from, each laid over the one before: the built-in defaults, a file with its
 /// drop-in folder (see apply_files), the command line.
@@ -58,27 +78,21 @@ class LayeredConfig {
   /// In force.
   [[nodiscard]] const LoadedConfig& current() const { return current_; }
   /// What differs from what is in force since the start and needs a restart.
-  [[nodiscard]] std::vector<ConfigChange> pending() const { return changes(current_, wanted_); }
-  /// Keys of the runtime layer, oldest first.
-  [[nodiscard]] const std::vector<Assignment>& runtime() const { return runtime_.assignments; }
+  [[nodiscard]] std::vector<ConfigChange> pending() const;
+  /// The runtime layer, oldest first: keys, and sections that were made absent, without a value.
+  [[nodiscard]] const std::vector<Assignment>& runtime() const { return runtime_; }
 
  private:
-  struct Runtime {
-    std::vector<Assignment> assignments;
-    std::vector<std::string> absent;  ///< sections
-  };
-
   LayeredConfig(ConfigSources sources, LoadedConfig loaded)
-      : sources_(std::move(sources)), base_(loaded), wanted_(loaded), current_(std::move(loaded)) {}
+      : sources_(std::move(sources)), base_(loaded), current_(std::move(loaded)) {}
 
   /// Puts `base` under `runtime`, and in force what can be.
-  [[nodiscard]] Result adopt(const LoadedConfig& base, Errors errors, const Runtime& runtime);
+  [[nodiscard]] Result adopt(const LoadedConfig& base, Errors errors, std::vector<Assignment> runtime);
 
   ConfigSources sources_;
-  LoadedConfig base_;    ///< the layers below the runtime layer
-  LoadedConfig wanted_;  ///< all layers
+  LoadedConfig base_;  ///< the layers below the runtime layer
   LoadedConfig current_;
-  Runtime runtime_;
+  std::vector<Assignment> runtime_;
 };
 
 }  // namespace slamsensor::firmware

@@ -1,7 +1,6 @@
 #include "firmware/control/control_request.hpp"
 
 #include "firmware/config/setting.hpp"
-#include "firmware/config/suggestion.hpp"
 #include "firmware/supervision/plain_text.hpp"
 
 #include <array>

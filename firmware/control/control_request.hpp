@@ -2,7 +2,7 @@
 
 #include "firmware/config/config.hpp"
 #include "firmware/control/control_protocol.hpp"
-#include "firmware/supervision/log_level.hpp"
+#include "firmware/supervision/log.hpp"
 
 #include <algorithm>
 #include <functional>

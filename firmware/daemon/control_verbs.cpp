@@ -2,9 +2,8 @@
 #include "firmware/daemon/control_verbs.hpp"
 
 #include "firmware/config/list_config.hpp"
-#include "firmware/control/status_json.hpp"
-#include "firmware/control/status_text.hpp"
-#include "firmware/daemon/version.hpp"
+#include "firmware/control/status_report.hpp"
+#include "firmware/status/sensor_status.hpp"
 #include "hal/clock.hpp"
 
 #include <array>
@@ -221,8 +220,7 @@ std::span<const ControlVerb> control_verbs() {
 void apply_config(ControlContext& context) {
   const Config& config = context.config.current().config;
   context.threads.publish().set_config(effective(context));
-  context.maps.set_config(config);
-  context.recordings.set_config(config);
+  context.maps.on_new_config();
   if (std::exchange(context.mode, config.scan_head.scan.mode) != config.scan_head.scan.mode) {
     context.threads.scan_orders().mode = context.mode;
   }

@@ -1,8 +1,8 @@
 #include "firmware/daemon/daemon.hpp"
 
 #include "firmware/daemon/realtime.hpp"
-#include "firmware/daemon/version.hpp"
-#include "firmware/supervision/status_line.hpp"
+#include "firmware/status/sensor_status.hpp"
+#include "firmware/status/status_text.hpp"
 #include "hal/clock.hpp"
 
 #include <array>
@@ -46,9 +46,10 @@ tl::unexpected<StartFailure> failure(ExitReason reason, std::string message) {
 
 }  // namespace
 
-tl::expected<std::unique_ptr<Daemon>, StartFailure> Daemon::create(LayeredConfig config, SourceMode source,
+tl::expected<std::unique_ptr<Daemon>, StartFailure> Daemon::create(LayeredConfig layers, SourceMode source,
                                                                    Log& log) {
-  if (auto raised = raise_open_files(open_files_needed(config.current().config)); !raised) {
+  auto config = std::make_unique<LayeredConfig>(std::move(layers));
+  if (auto raised = raise_open_files(open_files_needed(config->current().config)); !raised) {
     return failure(ExitReason::NoResources, raised.error());
   }
   auto signals = Signals::create();
@@ -56,13 +57,13 @@ tl::expected<std::unique_ptr<Daemon>, StartFailure> Daemon::create(LayeredConfig
     return failure(ExitReason::NoResources, signals.error().message);
   }
   const hal::Stamp now = hal::monotonic_now();
-  auto threads = SensorThreads::create(config.current().config, {source, draw_initialization(), now}, log);
+  auto threads = SensorThreads::create(config->current().config, {source, draw_initialization(), now}, log);
   if (!threads) {
     return failure(ExitReason::Config, threads.error());
   }
   std::unique_ptr<Daemon> daemon(
       new Daemon(std::move(config), std::move(*signals), std::move(*threads), log, now));
-  auto server = ControlServer::create({.socket = daemon->config_.current().config.daemon.control.socket},
+  auto server = ControlServer::create({.socket = daemon->config_->current().config.daemon.control.socket},
                                       [&control = daemon->control_](const ControlRequest& request) {
                                         return request.verb->run(request, control);
                                       });
@@ -73,16 +74,16 @@ tl::expected<std::unique_ptr<Daemon>, StartFailure> Daemon::create(LayeredConfig
   return daemon;
 }
 
-Daemon::Daemon(LayeredConfig config, Signals signals, std::unique_ptr<SensorThreads> threads, Log& log,
-               hal::Stamp now)
+Daemon::Daemon(std::unique_ptr<LayeredConfig> config, Signals signals, std::unique_ptr<SensorThreads> threads,
+               Log& log, hal::Stamp now)
     : config_(std::move(config)),
       log_(log),
       signals_(std::move(signals)),
       notifier_(ServiceNotifier::from_environment()),
       threads_(std::move(threads)),
-      maps_(config_.current().config, *threads_, log, now),
-      recordings_(config_.current().config, *threads_, maps_, log),
-      control_{config_, *threads_, maps_, recordings_, log},
+      maps_(config_->current().config, *threads_, log, now),
+      recordings_(config_->current().config, *threads_, maps_, log),
+      control_{*config_, *threads_, maps_, recordings_, log},
       watchdog_(threads_->heartbeats(), notifier_) {
 }
 

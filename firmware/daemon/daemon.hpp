@@ -39,8 +39,8 @@ class Daemon {
   [[nodiscard]] tl::expected<void, StartFailure> run();
 
  private:
-  Daemon(LayeredConfig config, Signals signals, std::unique_ptr<SensorThreads> threads, Log& log,
-         hal::Stamp now);
+  Daemon(std::unique_ptr<LayeredConfig> config, Signals signals, std::unique_ptr<SensorThreads> threads,
+         Log& log, hal::Stamp now);
 
   void turn(const OutputTime& now);
   void wait();
@@ -50,7 +50,7 @@ class Daemon {
   void tell_facts(hal::Stamp now);
   [[nodiscard]] tl::expected<void, StartFailure> stop();
 
-  LayeredConfig config_;
+  std::unique_ptr<LayeredConfig> config_;  // the others look at what is in force in it
   Log& log_;
   Signals signals_;
   ServiceNotifier notifier_;

@@ -1,11 +1,11 @@
 #pragma once
 
 #include "firmware/config/config.hpp"
-#include "firmware/daemon/device_watch.hpp"
 #include "firmware/daemon/mailbox.hpp"
 #include "firmware/device/inclinometers.hpp"
 #include "firmware/recording/tape_format.hpp"
 #include "firmware/status/sensor_status.hpp"
+#include "firmware/status/sensor_tracker.hpp"
 #include "hal/stamp.hpp"
 
 #include <tl/expected.hpp>

@@ -1,6 +1,6 @@
 #include "firmware/daemon/map_keeper.hpp"
 
-#include "firmware/store/map_layout.hpp"
+#include "firmware/store/map_frame.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -61,7 +61,8 @@ MapKeeper::MapKeeper(const Config& config, SensorThreads& threads, Log& log, hal
       store_(config.daemon.map_store.directory, config.core.capacities),
       policy_(hal::from_seconds(config.daemon.map_store.autosave_s), now),
       name_(config.daemon.map_store.name),
-      is_frozen_(config.daemon.map_store.frozen) {
+      is_frozen_(config.daemon.map_store.frozen),
+      is_frozen_set_(is_frozen_) {
   about_.name = name_;
 }
 
@@ -254,12 +255,12 @@ void MapKeeper::save_at_end(const OutputTime& now) {
   }
 }
 
-void MapKeeper::set_config(const Config& config) {
-  if (const bool frozen = config.daemon.map_store.frozen; frozen != config_.daemon.map_store.frozen) {
-    mode_wanted_ = frozen ? MapMode::Frozen : MapMode::Growing;
+void MapKeeper::on_new_config() {
+  const MapStoreConfig& settings = config_.daemon.map_store;
+  if (std::exchange(is_frozen_set_, settings.frozen) != settings.frozen) {
+    mode_wanted_ = settings.frozen ? MapMode::Frozen : MapMode::Growing;
   }
-  config_ = config;
-  policy_.set_period(hal::from_seconds(config.daemon.map_store.autosave_s));
+  policy_.set_period(hal::from_seconds(settings.autosave_s));
 }
 
 std::vector<std::uint8_t> MapKeeper::encoded() {

@@ -4,7 +4,6 @@
 #include "firmware/control/control_protocol.hpp"
 #include "firmware/daemon/sensor_threads.hpp"
 #include "firmware/output/output_time.hpp"
-#include "firmware/store/autosave_policy.hpp"
 #include "firmware/store/map_store.hpp"
 #include "firmware/supervision/log.hpp"
 #include "hal/stamp.hpp"
@@ -34,7 +33,7 @@ class MapKeeper {
   /// Is told each order that the SLAM thread has carried out, for a recording.
   using OrderTap = std::function<void(MapCommand, const SlamAnswer&)>;
 
-  /// `threads` and `log` outlive this.
+  /// `config`, `threads` and `log` outlive this.
   MapKeeper(const Config& config, SensorThreads& threads, Log& log, hal::Stamp now);
 
   /// Has the SLAM thread go on from the stored map, if there is a good one.
@@ -46,8 +45,8 @@ class MapKeeper {
   /// Saves what is not saved, and tells what came of it in the log.
   void save_now(const OutputTime& now);
 
-  /// Of what can change live, what `config` says counts from now on; map.frozen with the next step.
-  void set_config(const Config& config);
+  /// The settings have changed; map.frozen counts with the next step.
+  void on_new_config();
   void set_order_tap(OrderTap tap) { tap_ = std::move(tap); }
 
   // Requests of the control socket. An empty name is that of the map in use.
@@ -87,7 +86,7 @@ class MapKeeper {
   void forget_map(std::uint64_t revision);
   [[nodiscard]] std::uint64_t revision() const;
 
-  Config config_;
+  const Config& config_;
   SensorThreads& threads_;
   Log& log_;
   MapStore store_;
@@ -102,6 +101,7 @@ class MapKeeper {
   std::uint64_t valid_from_ = 0;  // maps of earlier revisions are those before the last load or reset
   std::uint32_t replaced_ = 0;
   bool is_frozen_;
+  bool is_frozen_set_;  // by the settings
   OrderTap tap_;
   std::vector<Answer> answers_;
 };

@@ -13,9 +13,9 @@
 #include "firmware/serving/nmea_tcp_server.hpp"
 #include "firmware/status/sensor_status.hpp"
 #include "firmware/status/sensor_tracker.hpp"
+#include "firmware/status/status_text.hpp"
 #include "firmware/supervision/file_descriptor.hpp"
 #include "firmware/supervision/log.hpp"
-#include "firmware/supervision/status_logger.hpp"
 
 #include <tl/expected.hpp>
 

@@ -1,7 +1,7 @@
 #include "firmware/daemon/recording_keeper.hpp"
 
-#include "firmware/recording/config_toml.hpp"
-#include "firmware/store/map_text.hpp"
+#include "firmware/config/list_config.hpp"
+#include "firmware/store/map_names.hpp"
 #include "hal/clock.hpp"
 
 #include <filesystem>

@@ -27,8 +27,6 @@ class RecordingKeeper {
   [[nodiscard]] std::optional<MapKeeper::Answer> step(const OutputTime& now);
   /// Ends a recording, when all threads have stopped.
   void finish_at_end(const OutputTime& now);
-  /// Of the recordings to come.
-  void set_config(const Config& config) { config_ = config; }
 
   // Requests of the control socket. An empty name: one made of the time.
   [[nodiscard]] ControlOutcome start(ControlToken token, std::string_view name, const OutputTime& now);
@@ -53,7 +51,7 @@ class RecordingKeeper {
   void leave();
   void on_map_order(MapCommand kind, const SlamAnswer& answer);
 
-  Config config_;
+  const Config& config_;
   SensorThreads& threads_;
   MapKeeper& maps_;
   Log& log_;

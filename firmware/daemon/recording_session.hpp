@@ -1,9 +1,8 @@
 #pragma once
 
-#include "firmware/lcm/message_tap.hpp"
+#include "firmware/lcm/lcm_sink.hpp"
 #include "firmware/recording/recorder.hpp"
 #include "firmware/recording/recording_links.hpp"
-#include "firmware/recording/tape_ring.hpp"
 #include "firmware/recording/tape_writer.hpp"
 #include "firmware/serving/epoch_sink.hpp"
 

@@ -1,6 +1,6 @@
 #include "firmware/daemon/scan_loop.hpp"
 
-#include "firmware/recording/head_command.hpp"
+#include "firmware/recording/recording_links.hpp"
 
 #include <array>
 #include <variant>
@@ -24,6 +24,35 @@ hal::FixedText<80> text80(const DeviceInfoText& text) noexcept {
 }
 
 }  // namespace
+
+tl::expected<std::unique_ptr<HeadRuntime>, std::string> HeadRuntime::create(const Config& config,
+                                                                            TapeWriter* tape) {
+  auto links = open_head_links(config.head);
+  if (!links) {
+    return tl::unexpected(links.error().message);
+  }
+  std::unique_ptr<HeadRuntime> runtime(new HeadRuntime(std::move(*links)));
+  if (tape != nullptr) {
+    runtime->tape_ = tape;
+    runtime->taps_.emplace(runtime->links_.get()).attach(tape);
+  }
+  auto drivers =
+      make_head_drivers(config.head, tape != nullptr ? runtime->taps_->get() : runtime->links_.get());
+  if (!drivers) {
+    return tl::unexpected(drivers.error().message);
+  }
+  runtime->drivers_ = std::move(*drivers);
+  runtime->head_ = std::make_unique<SensorHead>(*runtime->drivers_.pan_tilt, *runtime->drivers_.rangefinder,
+                                                config.scan_head);
+  return runtime;
+}
+
+void HeadRuntime::leave_tape() noexcept {
+  if (taps_) {
+    taps_->attach(nullptr);  // the drivers stay on them, and the devices at work
+  }
+  tape_ = nullptr;
+}
 
 ScanLoop::ScanLoop(HeadRuntime& head, GpioInputs* panel, ScanOrders& orders, ScanQueue& queue, Wakeup& slam,
                    Mailbox<HeadStatus>& status)
@@ -144,7 +173,7 @@ void ScanLoop::report(hal::Stamp now, const PeriodicTimer& timer) noexcept {
   status.counters.size = 0;
   status.counters.append(timer.counters());
   status.counters.append(head.scheduler().counters());
-  status.counters.append(head.assembler().counters());
+  status.counters.append(core::kAssemblerEventNames, head.assembler().counts());
   status.counters.append(head.counters());
   const std::array<hal::Counter, 3> queue = {{{"scanlines_dropped", queue_.scanlines_dropped()},
                                               {"scan_messages_dropped", queue_.messages_dropped()},

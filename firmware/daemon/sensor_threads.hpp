@@ -1,17 +1,13 @@
 #pragma once
 
 #include "firmware/config/config.hpp"
-#include "firmware/daemon/head_runtime.hpp"
 #include "firmware/daemon/inclination_loop.hpp"
 #include "firmware/daemon/mailbox.hpp"
-#include "firmware/daemon/periodic_timer.hpp"
 #include "firmware/daemon/publish_loop.hpp"
 #include "firmware/daemon/realtime.hpp"
 #include "firmware/daemon/scan_loop.hpp"
 #include "firmware/daemon/scan_queue.hpp"
 #include "firmware/daemon/slam_loop.hpp"
-#include "firmware/daemon/slam_orders.hpp"
-#include "firmware/daemon/wakeup.hpp"
 #include "firmware/gpio/gpio_panel.hpp"
 #include "firmware/supervision/heartbeats.hpp"
 #include "firmware/supervision/log.hpp"
@@ -29,7 +25,8 @@ namespace slamsensor::firmware {
 /// started and stopped by the supervisor, on its thread.
 class SensorThreads {
  public:
-  /// Takes all memory and opens the devices; nothing runs yet. The error names the setting.
+  /// Takes all memory and opens the devices; nothing runs yet. `config` outlives it, and may change between
+  /// two calls in what can change live. The error names the setting.
   [[nodiscard]] static tl::expected<std::unique_ptr<SensorThreads>, std::string> create(
       const Config& config, const RunIdentity& identity, Log& log);
   SensorThreads(const SensorThreads&) = delete;
@@ -76,7 +73,7 @@ class SensorThreads {
   void run_publish();
   void run_inclination();
 
-  Config config_;
+  const Config& config_;  // of the main thread
   Log& log_;
   Heartbeats heartbeats_;
   std::size_t scan_beat_;

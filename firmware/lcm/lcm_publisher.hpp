@@ -1,11 +1,8 @@
 #pragma once
 
 #include "firmware/config/daemon_config.hpp"
+#include "firmware/lcm/lcm_messages.hpp"
 #include "firmware/lcm/lcm_sink.hpp"
-#include "firmware/lcm/map_message.hpp"
-#include "firmware/lcm/pose_message.hpp"
-#include "firmware/lcm/scan_message.hpp"
-#include "firmware/lcm/status_message.hpp"
 
 #include <algorithm>
 #include <optional>

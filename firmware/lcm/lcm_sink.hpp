@@ -1,19 +1,57 @@
 #pragma once
 
-#include "firmware/lcm/lcm_url.hpp"
-#include "firmware/lcm/message_tap.hpp"
 #include "hal/counters.hpp"
 #include "hal/fixed_text.hpp"
+#include "hal/init_error.hpp"
 #include "hal/stamp.hpp"
 #include "hal/transport/reopen.hpp"
 
+#include <tl/expected.hpp>
+
 #include <array>
+#include <cstdint>
+#include <netinet/in.h>
 #include <span>
+#include <string>
 #include <string_view>
 
 struct _lcm_t;
 
 namespace slamsensor::firmware {
+
+/// Where LCM messages go.
+enum class LcmTransport : std::uint8_t {
+  Multicast,  ///< udpm://, to the network or, with ttl 0, to this machine alone
+  Memory,     ///< memq://, to nobody: for tests
+};
+
+/// A checked LCM URL.
+struct LcmUrl {
+  std::string text;  ///< as liblcm takes it
+  LcmTransport transport = LcmTransport::Multicast;
+  sockaddr_in group{};  ///< address and port of Multicast
+  int ttl = 0;
+};
+
+/// The URL that is in force: `configured`, else `environment` (LCM_DEFAULT_URL; may be null), else LCM's own
+/// default, udpm://239.255.76.67:7667?ttl=0. Allowed are udpm://[GROUP][:PORT][?ttl=N&recv_buf_size=N] with
+/// an IPv4 multicast group, port 1 to 65535 and ttl 0 to 255, and memq://. liblcm's tcpq:// is refused: 1.3.1
+/// leaks a file descriptor per failed connection and aborts. The error names where the URL came from.
+[[nodiscard]] tl::expected<LcmUrl, hal::InitError> resolve_lcm_url(std::string_view configured,
+                                                                   const char* environment);
+
+/// Is told every LCM message that the sensor publishes, in order, whether the network took it or not: a
+/// recording hears the same without a network.
+class MessageTap {
+ public:
+  MessageTap() = default;
+  MessageTap(const MessageTap&) = delete;
+  MessageTap& operator=(const MessageTap&) = delete;
+  virtual ~MessageTap() = default;
+
+  /// `channel` has 1 to 63 characters; both views end with the call. On the thread that publishes.
+  virtual void published(std::string_view channel, std::span<const std::uint8_t> bytes) noexcept = 0;
+};
 
 /// Longest name of an LCM channel (LCM_MAX_CHANNEL_NAME_LENGTH).
 inline constexpr std::size_t kLcmChannelMax = 63;

@@ -1,18 +1,68 @@
 #pragma once
 
-#include "firmware/lcm/fingerprint.hpp"
-
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <type_traits>
 
+// Not by lcm-gen: its types do not name their members, which `slamsensor top` shows, and read any count or
+// code.
 namespace slamsensor::firmware {
+
+/// How the size of an array member is given.
+enum class LcmArray : std::uint8_t { Fixed, ByMember };
+
+/// One member of an LCM type whose members are all primitive: its name, its primitive type ("int64_t",
+/// "byte", ...) and, for a one-dimensional array, its size as text (a number or the name of the member that
+/// holds it).
+struct LcmMember {
+  std::string_view name;
+  std::string_view type;
+  std::string_view size;  ///< empty: not an array
+  LcmArray array = LcmArray::Fixed;
+};
+
+namespace lcm_detail {
+
+constexpr std::uint64_t step(std::uint64_t value, std::uint8_t c) noexcept {
+  const auto carried = static_cast<std::uint64_t>(static_cast<std::int64_t>(value) >> 55);
+  // The generator adds a signed character; all of ours are ASCII.
+  return ((value << 8U) ^ carried) + c;
+}
+
+constexpr std::uint64_t step(std::uint64_t value, std::string_view text) noexcept {
+  value = step(value, static_cast<std::uint8_t>(text.size()));
+  for (const char c : text) {
+    value = step(value, static_cast<std::uint8_t>(c));
+  }
+  return value;
+}
+
+}  // namespace lcm_detail
+
+/// The eight bytes, most significant first, that a message of the type with these members begins with
+/// (lcm-gen 1.3.1).
+constexpr std::uint64_t lcm_fingerprint(std::initializer_list<LcmMember> members) noexcept {
+  std::uint64_t value = 0x12345678;
+  for (const LcmMember& member : members) {
+    value = lcm_detail::step(value, member.name);
+    value = lcm_detail::step(value, member.type);
+    const bool is_array = !member.size.empty();
+    value = lcm_detail::step(value, static_cast<std::uint8_t>(is_array ? 1 : 0));
+    if (is_array) {
+      value = lcm_detail::step(value, static_cast<std::uint8_t>(member.array == LcmArray::ByMember ? 1 : 0));
+      value = lcm_detail::step(value, member.size);
+    }
+  }
+  return (value << 1U) | (value >> 63U);
+}
 
 /// Text of an LCM message: `byte name[kSize]`, filled up with zeros.
 template <std::size_t kSize>
@@ -226,6 +276,43 @@ template <LcmMessage T>
     message.reset();
   }
   return message;
+}
+
+/// Most landmarks that a list in chunks can have; more are not sent.
+inline constexpr std::size_t kChunkedLandmarksMax = 100'000'000;
+
+/// Messages for `landmarks` at `kPerChunk` each; one for none at all, so that a reader hears of it.
+template <std::size_t kPerChunk>
+[[nodiscard]] constexpr std::uint32_t chunks_of(std::size_t landmarks) noexcept {
+  const std::size_t sent = std::min(landmarks, kChunkedLandmarksMax);
+  return static_cast<std::uint32_t>(std::max<std::size_t>(1, (sent + kPerChunk - 1) / kPerChunk));
+}
+
+/// Sets landmarks, chunk, chunks and count of `message`; false when there is no chunk of that number.
+template <std::size_t kPerChunk, typename Message>
+[[nodiscard]] constexpr bool number_chunk(std::size_t landmarks, std::uint32_t chunk,
+                                          Message& message) noexcept {
+  const std::uint32_t chunks = chunks_of<kPerChunk>(landmarks);
+  if (chunk >= chunks) {
+    return false;
+  }
+  const std::size_t sent = std::min(landmarks, kChunkedLandmarksMax);
+  message.landmarks = static_cast<std::int32_t>(sent);
+  message.chunk = static_cast<std::int32_t>(chunk);
+  message.chunks = static_cast<std::int32_t>(chunks);
+  message.count = static_cast<std::int32_t>(std::min(kPerChunk, sent - chunk * kPerChunk));
+  return true;
+}
+
+/// Whether `message` is numbered as number_chunk does it.
+template <std::size_t kPerChunk, typename Message>
+[[nodiscard]] constexpr bool is_sound_chunk(const Message& message) noexcept {
+  Message expected;
+  return message.landmarks >= 0 && message.chunk >= 0 &&
+         static_cast<std::size_t>(message.landmarks) <= kChunkedLandmarksMax &&
+         number_chunk<kPerChunk>(static_cast<std::size_t>(message.landmarks),
+                                 static_cast<std::uint32_t>(message.chunk), expected) &&
+         message.chunks == expected.chunks && message.count == expected.count;
 }
 
 }  // namespace slamsensor::firmware

@@ -1,16 +1,190 @@
 #include "firmware/output/nmea.hpp"
 
-#include "firmware/output/nmea_epoch.hpp"
-#include "firmware/output/nmea_pose.hpp"
-#include "firmware/output/position_error.hpp"
+#include "core/geometry/pose2.hpp"
+#include "firmware/output/nmea_sentence.hpp"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <numbers>
 #include <optional>
 #include <string_view>
 
 namespace slamsensor::firmware {
 namespace {
+
+/// Columns: east, north and up at a place, in earth-centred axes.
+Eigen::Matrix3d east_north_up(double latitude_deg, double longitude_deg) {
+  const double phi = latitude_deg * core::kDegree;
+  const double lambda = longitude_deg * core::kDegree;
+  Eigen::Matrix3d axes;
+  axes.col(0) << -std::sin(lambda), std::cos(lambda), 0.0;
+  axes.col(1) << -std::sin(phi) * std::cos(lambda), -std::sin(phi) * std::sin(lambda), std::cos(phi);
+  axes.col(2) << std::cos(phi) * std::cos(lambda), std::cos(phi) * std::sin(lambda), std::sin(phi);
+  return axes;
+}
+
+/// Map axes in (east, north), x at a true bearing (clockwise from north) and y at its left.
+Eigen::Matrix2d map_axes(double bearing_deg) {
+  const double beta = bearing_deg * core::kDegree;
+  Eigen::Matrix2d axes;
+  axes.col(0) << std::sin(beta), std::cos(beta);
+  axes.col(1) << -std::cos(beta), std::sin(beta);
+  return axes;
+}
+
+/// True bearing of a vector in (east, north), in [0, 360).
+double bearing_deg(const Eigen::Vector2d& direction_EN) {
+  const double bearing = std::atan2(direction_EN.x(), direction_EN.y()) / core::kDegree;
+  const double positive = bearing < 0.0 ? bearing + 360.0 : bearing;
+  return positive >= 360.0 ? 0.0 : positive;
+}
+
+/// Farthest from the map's origin that a pose is written; a longer number would not fit the sentence.
+constexpr double kNmeaCoordinateMax_m = 1e6;
+
+/// Whether `fix` has a pose that can be written.
+bool has_nmea_pose(const core::Fix& fix) noexcept {
+  const core::Pose2& pose = fix.pose_W;
+  return fix.status != core::FixStatus::NoFix && std::isfinite(pose.heading_rad) &&
+         std::abs(pose.x_m) <= kNmeaCoordinateMax_m && std::abs(pose.y_m) <= kNmeaCoordinateMax_m;
+}
+
+/// All that the sentences of an epoch share.
+struct NmeaEpoch {
+  NmeaEpoch(const core::Fix& the_fix, const NmeaContext& the_context) noexcept
+      : fix(the_fix),
+        context(the_context),
+        moment(the_context.moment.value_or(NmeaMoment{.utc = the_fix.time.middle_utc})),
+        time(nmea_time(moment.utc)),
+        pose_known(has_nmea_pose(the_fix)),
+        error_known(usable_covariance(the_fix.covariance)) {
+    if (context.geo != nullptr && pose_known && fix.status == core::FixStatus::Fix) {
+      place = context.geo->locate(fix.pose_W);
+    }
+  }
+
+  const core::Fix& fix;
+  const NmeaContext& context;
+  NmeaMoment moment;
+  NmeaTime time;
+  bool pose_known;
+  bool error_known;
+  std::optional<GeoPose> place;  ///< of a fix with a datum: then and only then there is a position to emit
+};
+
+/// Appends a 1 sigma error, at most 9999 m.
+void add_nmea_sigma(NmeaSentence& sentence, double sigma_m, int decimals) noexcept {
+  sentence.fixed(std::min(sigma_m, 9999.0), decimals);
+}
+
+/// The detail at which the pose sentence has all of its decimals; at 0 it fits whatever it says.
+constexpr int kNmeaPoseDetailMax = 10;
+
+constexpr double kAgeMax_s = 99'999.0;  // a longer number would not fit the sentence
+
+char status_letter(const NmeaEpoch& epoch) noexcept {
+  if (!epoch.pose_known) {
+    return 'V';
+  }
+  return epoch.fix.status == core::FixStatus::Fix ? 'A' : 'U';
+}
+
+/// How many decimals the numbers of the pose have; kEmpty leaves one out.
+constexpr int kEmpty = -1;
+struct PoseDecimals {
+  int place;
+  int heading;
+  int sigma;
+  int heading_sigma;
+  int age;
+  int protection;
+};
+
+// As the sentence gets shorter: the age goes first, the place last.
+constexpr std::array<PoseDecimals, kNmeaPoseDetailMax + 1> kDecimals = {{
+    {0, 0, kEmpty, kEmpty, kEmpty, kEmpty},
+    {0, 0, 0, 0, 0, 0},
+    {1, 1, 1, 0, 0, 0},
+    {2, 1, 1, 1, 0, 0},
+    {2, 2, 1, 1, 0, 1},
+    {3, 2, 1, 1, 0, 1},
+    {3, 2, 2, 1, 0, 1},
+    {3, 2, 3, 2, 0, 2},
+    {3, 3, 3, 2, 0, 2},
+    {3, 3, 3, 2, 1, 2},
+    {3, 3, 3, 2, 2, 2},
+}};
+
+/// The field with its decimals, or empty.
+void add_if_wanted(NmeaSentence& sentence, double value, int decimals) noexcept {
+  if (decimals == kEmpty) {
+    sentence.blank();
+  } else {
+    sentence.fixed(value, decimals);
+  }
+}
+
+void add_map_pose(NmeaSentence& sentence, const NmeaEpoch& epoch, const PoseDecimals& decimals) noexcept {
+  const core::Fix& fix = epoch.fix;
+  sentence.fixed(fix.pose_W.x_m, decimals.place).fixed(fix.pose_W.y_m, decimals.place);
+  sentence.wrapped(fix.pose_W.heading_rad / core::kDegree, 360, decimals.heading);
+  if (epoch.error_known) {
+    const Eigen::Matrix2d covariance = fix.covariance.topLeftCorner<2, 2>();
+    add_if_wanted(sentence, std::min(position_error(covariance).major_m, 9999.0), decimals.sigma);
+    const double sigma_heading_deg = std::sqrt(fix.covariance(2, 2)) / core::kDegree;
+    add_if_wanted(sentence, std::min(sigma_heading_deg, 360.0), decimals.heading_sigma);
+  } else {
+    sentence.blank(2);
+  }
+  sentence.integer(std::min(fix.error_xi, 9999U));
+}
+
+/// The number of the map, and the protection radius, rounded up: it must not look smaller than it is.
+void add_frame(NmeaSentence& sentence, const core::Fix& fix, int decimals) noexcept {
+  sentence.integer(fix.map);
+  const double radius_m = std::min(fix.protection_radius_m, 9999.0);
+  if (!(radius_m > 0.0) || decimals == kEmpty) {
+    sentence.blank();
+    return;
+  }
+  constexpr std::array<double, 3> kUnits = {1.0, 10.0, 100.0};
+  const double unit = kUnits[static_cast<std::size_t>(decimals)];
+  sentence.fixed(std::ceil(radius_m * unit - 1e-6) / unit, decimals);
+}
+
+void add_age(NmeaSentence& sentence, const NmeaEpoch& epoch, int decimals) noexcept {
+  if (!epoch.moment.age) {
+    sentence.blank();
+    return;
+  }
+  const double age_s = std::chrono::duration<double>(*epoch.moment.age).count();
+  add_if_wanted(sentence, std::clamp(age_s, 0.0, kAgeMax_s), decimals);
+}
+
+NmeaSentence nmea_pose_sentence(const NmeaEpoch& epoch, int detail) noexcept {
+  const core::Fix& fix = epoch.fix;
+  const PoseDecimals& decimals = kDecimals[static_cast<std::size_t>(detail)];
+  NmeaSentence sentence("PSLMA");
+  sentence.text("POSE").text(epoch.time.time.text()).letter(status_letter(epoch));
+  sentence.letter(epoch.context.mode == NmeaMode::Live ? 'A' : 'S');
+  sentence.integer(static_cast<std::uint64_t>(fix.reason));
+  if (epoch.pose_known) {
+    add_map_pose(sentence, epoch, decimals);
+  } else {
+    sentence.blank(6);
+  }
+  sentence.integer(std::min(fix.matches, 999U)).integer(std::min(fix.landmarks_seen, 999U));
+  add_age(sentence, epoch, decimals.age);
+  if (epoch.pose_known) {
+    add_frame(sentence, fix, decimals.protection);
+  } else {
+    sentence.blank(2);
+  }
+  return sentence;
+}
 
 constexpr int kMinuteDecimals = 7;
 constexpr double kDilutionMin = 0.01;  // some readers take 0 as absent
@@ -175,6 +349,47 @@ class EpochWriter {
 };
 
 }  // namespace
+
+GeoReference::GeoReference(const Datum& datum)
+    : datum_(datum),
+      plane_(datum.latitude_deg, datum.longitude_deg, datum.height_m),
+      R_plane_W_(map_axes(datum.bearing_deg)),
+      R_earth_plane_(east_north_up(datum.latitude_deg, datum.longitude_deg)) {
+}
+
+GeoPose GeoReference::locate(const core::Pose2& T_W_L) const noexcept {
+  const Eigen::Vector2d p_plane = R_plane_W_ * T_W_L.translation();
+  GeoPose place;
+  plane_.Reverse(p_plane.x(), p_plane.y(), 0.0, place.latitude_deg, place.longitude_deg, place.height_m);
+  const Eigen::Matrix3d R_earth_EN = east_north_up(place.latitude_deg, place.longitude_deg);
+  const Eigen::Matrix3d R_EN_plane = R_earth_EN.transpose() * R_earth_plane_;
+  place.R_EN_W = R_EN_plane.topLeftCorner<2, 2>() * R_plane_W_;
+  const Eigen::Vector2d forward_W(std::cos(T_W_L.heading_rad), std::sin(T_W_L.heading_rad));
+  place.true_heading_deg = bearing_deg(place.R_EN_W * forward_W);
+  return place;
+}
+
+PositionError position_error(const Eigen::Matrix2d& covariance_m2) noexcept {
+  const double east = covariance_m2(0, 0);
+  const double north = covariance_m2(1, 1);
+  const double cross = 0.5 * (covariance_m2(0, 1) + covariance_m2(1, 0));
+  const double mean = 0.5 * (east + north);
+  const double radius = std::hypot(0.5 * (east - north), cross);  // of Mohr's circle
+  // The major axis lies at angle a from north towards east with tan 2a = 2 cross / (north - east).
+  double bearing_deg = 0.5 * std::atan2(2.0 * cross, north - east) * 180.0 / std::numbers::pi;
+  bearing_deg += bearing_deg < 0.0 ? 180.0 : 0.0;
+  PositionError error;
+  error.east_m = std::sqrt(std::max(east, 0.0));
+  error.north_m = std::sqrt(std::max(north, 0.0));
+  error.major_m = std::sqrt(std::max(mean + radius, 0.0));
+  error.minor_m = std::sqrt(std::max(mean - radius, 0.0));
+  error.major_bearing_deg = bearing_deg >= 180.0 ? 0.0 : bearing_deg;
+  return error;
+}
+
+bool usable_covariance(const Eigen::Matrix3d& covariance) noexcept {
+  return covariance.allFinite() && covariance.diagonal().minCoeff() >= 0.0;
+}
 
 NmeaContext nmea_context(const NmeaConfig& config, const GeoReference* geo, NmeaMode mode) noexcept {
   NmeaContext context;

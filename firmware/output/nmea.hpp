@@ -1,9 +1,12 @@
 #pragma once
 
 #include "core/fix.hpp"
+#include "core/geometry/pose2.hpp"
 #include "firmware/config/config.hpp"
-#include "firmware/output/geo_reference.hpp"
 #include "firmware/output/nmea_sentence.hpp"
+
+#include <Eigen/Core>
+#include <GeographicLib/LocalCartesian.hpp>
 
 #include <array>
 #include <chrono>
@@ -13,6 +16,53 @@
 #include <span>
 
 namespace slamsensor::firmware {
+
+/// A pose of the map frame W on the earth (WGS 84).
+struct GeoPose {
+  double latitude_deg = 0.0;   ///< [-90, 90]
+  double longitude_deg = 0.0;  ///< [-180, 180]
+  double height_m = 0.0;       ///< of the point of the map's plane above the ellipsoid
+  double true_heading_deg =
+      0.0;  ///< of the sensor's x' axis, clockwise from true north at the place, [0, 360)
+  Eigen::Matrix2d R_EN_W =
+      Eigen::Matrix2d::Identity();  ///< takes plane vectors in W to (east, north) at the place
+};
+
+/// Places the map on the earth: W is the plane that touches the datum's height surface at its latitude and
+/// longitude, x towards the datum's true bearing, y 90 deg to its left, z up. Immutable, so any thread may
+/// use it.
+class GeoReference {
+ public:
+  explicit GeoReference(const Datum& datum);
+
+  /// Where on the earth `T_W_L` is. East and north are those of the place, not of the datum: over a map of
+  /// kilometres the meridians converge. Allocates nothing. A pose that is not finite gives values that are
+  /// not finite.
+  [[nodiscard]] GeoPose locate(const core::Pose2& T_W_L) const noexcept;
+
+  [[nodiscard]] const Datum& datum() const noexcept { return datum_; }
+
+ private:
+  Datum datum_;
+  GeographicLib::LocalCartesian plane_;  ///< east, north, up at the datum
+  Eigen::Matrix2d R_plane_W_;            ///< map axes to the datum's (east, north)
+  Eigen::Matrix3d R_earth_plane_;        ///< the datum's (east, north, up) to earth-centred axes
+};
+
+/// The 1 sigma error of a position, m, on true east and north, and its ellipse.
+struct PositionError {
+  double east_m = 0.0;
+  double north_m = 0.0;
+  double major_m = 0.0;
+  double minor_m = 0.0;
+  double major_bearing_deg = 0.0;  ///< clockwise from the second axis (north), [0, 180)
+};
+
+/// The ellipse of a covariance (m^2) of (east, north), or of any two axes.
+[[nodiscard]] PositionError position_error(const Eigen::Matrix2d& covariance_m2) noexcept;
+
+/// True when `covariance` of (x, y, heading) is finite and has no negative variance.
+[[nodiscard]] bool usable_covariance(const Eigen::Matrix3d& covariance) noexcept;
 
 /// Where the scans come from: a sensor head, or a recording or an emulator (GGA quality 8, RMC mode S).
 enum class NmeaMode : std::uint8_t { Live, Simulated };

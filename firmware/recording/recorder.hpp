@@ -1,8 +1,7 @@
 #pragma once
 
-#include "firmware/recording/event_log_writer.hpp"
+#include "firmware/recording/event_log.hpp"
 #include "firmware/recording/map_order.hpp"
-#include "firmware/recording/messages.hpp"
 #include "firmware/recording/tape_format.hpp"
 
 #include <tl/expected.hpp>

@@ -42,27 +42,10 @@ struct ScanConfig {
   std::uint32_t polls_per_line_max = 2'000;       ///< [10, 100000] room for positions of a line
 };
 
-/// How a unit makes a whole position out of where its axis is.
-enum class PositionRounding : std::uint8_t {
-  Nearest,     ///< to the nearest position
-  Down,        ///< to the next position to the right or below
-  TowardZero,  ///< to the next position towards 0
-};
-
-/// How the pan angle is fitted over a line's polls.
-struct PanFitConfig {
-  std::uint32_t polls_min = 5;        ///< [3, 1000] polls of the moving axis that a line needs
-  double poll_jitter_s = 0.001;       ///< [0, 0.1] s: 1 sigma of when a poll is answered, half width apart
-  double speed_error_sigma = 300e-6;  ///< [0, 0.1] share: 1 sigma of the unit's clock, known before the line
-  double speed_error_max = 0.02;      ///< [0, 0.5] share: a line that ran more off than this is rejected
-  double outliers_max_share = 0.3;    ///< [0, 0.5] a line with more polls off the fit is rejected
-  double path_tolerance_rad = 1.75e-3;  ///< [0, 10 deg]: 0.1 deg; a stretch of a line off the motion model by
-                                        ///< this much, and more than chance does, rejects the line
-  PositionRounding rounding = PositionRounding::Nearest;  ///< nearest, down, toward_zero
-};
-
 using core::LatencyConfig;
 using core::MotionConfig;
+using core::PanFitConfig;
+using core::PositionRounding;
 
 /// Where the roll and pitch of the sensor come from.
 enum class InclinationSource : std::uint8_t {

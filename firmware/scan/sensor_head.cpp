@@ -12,13 +12,39 @@ namespace {
 constexpr std::size_t kRangeRounds = hal::kRangeSamplesMax / 512 + 1;
 constexpr std::size_t kPositionRounds = hal::kAxisSamplesMax / 64 + 1;
 
+const hal::MotionProfile& profile(const void* model) noexcept {
+  return *static_cast<const hal::MotionProfile*>(model);
+}
+
 }  // namespace
+
+core::AxisPath path_of(const hal::MotionProfile& move) noexcept {
+  return {&move,
+          move.start_rad(),
+          move.target_rad(),
+          move.duration_s(),
+          [](const void* model, double elapsed_s) noexcept { return profile(model).position_rad(elapsed_s); },
+          [](const void* model, double elapsed_s) noexcept { return profile(model).speed_radps(elapsed_s); }};
+}
+
+core::TimedAngle timed(const hal::AxisSample& sample) noexcept {
+  return {sample.stamp, sample.half_width, sample.position_rad,
+          sample.axis == hal::Axis::Pan ? core::SweepAxis::Pan : core::SweepAxis::Tilt};
+}
+
+core::TimedRange timed(const hal::RangeSample& sample) noexcept {
+  constexpr std::array kKinds = {core::EchoKind::Return, core::EchoKind::None, core::EchoKind::Weak,
+                                 core::EchoKind::Saturated, core::EchoKind::Fault};  // as hal::Echo
+  return {sample.stamp, sample.range_m, kKinds[static_cast<std::size_t>(sample.echo)]};
+}
 
 SensorHead::SensorHead(hal::PanTilt& pan_tilt, hal::Rangefinder& rangefinder, const SensorHeadConfig& config)
     : pan_tilt_(pan_tilt),
       rangefinder_(rangefinder),
       scheduler_(pan_tilt, rangefinder, config.scan),
-      assembler_(config.scan, config.pan_fit),
+      assembler_(core::AssemblerConfig{config.scan.readings_per_line_max, config.scan.polls_per_line_max,
+                                       config.scan.late_data_s},
+                 config.pan_fit),
       calibration_(config.latency),
       motion_(config.motion),
       levelling_(config.levelling),
@@ -40,7 +66,7 @@ void SensorHead::step(hal::Stamp now) noexcept {
   rangefinder_.step(now);
   take_samples();
   const bool knows_latency = !calibration_.is_busy() || (in_scan() && calibration_.has_looked());
-  act(scheduler_.step(now, {assembler_.is_idle(), knows_latency}), now);
+  act(scheduler_.step(now, {assembler_->is_idle(), knows_latency}), now);
   finish_line(now);
   calibrate();
 }
@@ -106,14 +132,18 @@ void SensorHead::incline(const core::Attitude& told) noexcept {
 void SensorHead::take_samples() noexcept {
   for (std::size_t round = 0; round < kPositionRounds; ++round) {
     const std::size_t count = pan_tilt_.take(positions_);
-    assembler_.add(std::span<const hal::AxisSample>(positions_.data(), count));
+    for (std::size_t i = 0; i < count; ++i) {
+      assembler_->add(timed(positions_[i]));
+    }
     if (count < positions_.size()) {
       break;
     }
   }
   for (std::size_t round = 0; round < kRangeRounds; ++round) {
     const std::size_t count = rangefinder_.take(ranges_);
-    assembler_.add(std::span<const hal::RangeSample>(ranges_.data(), count));
+    for (std::size_t i = 0; i < count; ++i) {
+      assembler_->add(timed(ranges_[i]));
+    }
     readings_ += count;
     if (count < ranges_.size()) {
       break;
@@ -130,7 +160,8 @@ void SensorHead::act(SchedulerAction action, hal::Stamp now) noexcept {
     case SchedulerAction::LineBegun:
       return begin_line();
     case SchedulerAction::LineEnded:
-      return assembler_.end_line(pan_tilt_.axis(hal::Axis::Pan).move, now);
+      move_ = pan_tilt_.axis(hal::Axis::Pan).move;
+      return assembler_->end_line(path_of(move_), now);
     case SchedulerAction::PassEnded:
       return end_pass(now);
     case SchedulerAction::PassAborted:
@@ -159,8 +190,8 @@ void SensorHead::begin_line() noexcept {
     const double rate_hz = std::max(1.0, rangefinder_.info().rate_hz);
     calibration_.begin_pass(plan.pan_min_rad, plan.pan_max_rad, plan.pan_speed_radps / rate_hz);
   }
-  assembler_.begin_line({scheduler_.line(), pan_tilt_.axis(hal::Axis::Tilt).position_rad,
-                         plan.pan_resolution_rad, plan.tilt_resolution_rad});
+  assembler_->begin_line({scheduler_.line(), pan_tilt_.axis(hal::Axis::Tilt).position_rad,
+                          plan.pan_resolution_rad, plan.tilt_resolution_rad});
 }
 
 void SensorHead::end_pass(hal::Stamp now) noexcept {
@@ -198,7 +229,7 @@ std::optional<ScanDoubt> SensorHead::judge_timing() noexcept {
 
 void SensorHead::abort_pass() noexcept {
   scan_attitude_.reset();
-  assembler_.abandon();
+  assembler_->abandon();
   last_abort_ = scheduler_.abort_reason();
   failure_.on_abort({*last_abort_, scheduler_.move(hal::Axis::Pan), scheduler_.move(hal::Axis::Tilt),
                      scheduler_.lines_rejected(), scheduler_.plan().lines});
@@ -211,7 +242,7 @@ void SensorHead::abort_pass() noexcept {
 }
 
 void SensorHead::finish_line(hal::Stamp now) noexcept {
-  const auto line = assembler_.step(now, calibration_.latency());
+  const auto line = assembler_->step(now, calibration_.latency());
   if (!line) {
     return;
   }

@@ -4,9 +4,10 @@
 #include "core/reading.hpp"
 #include "core/sweep/latency_calibration.hpp"
 #include "core/sweep/motion_detector.hpp"
+#include "core/sweep/scan_assembler.hpp"
 #include "core/sweep/swept_line.hpp"
+#include "firmware/arena_block.hpp"
 #include "firmware/scan/scan_abort.hpp"
-#include "firmware/scan/scan_assembler.hpp"
 #include "firmware/scan/scan_config.hpp"
 #include "firmware/scan/scan_failure.hpp"
 #include "firmware/scan/scan_scheduler.hpp"
@@ -25,6 +26,14 @@
 #include <vector>
 
 namespace slamsensor::firmware {
+
+using core::Scanline;
+using core::SweepDirection;
+
+// Where the names of hal end. The move outlives its path.
+[[nodiscard]] core::AxisPath path_of(const hal::MotionProfile& move) noexcept;
+[[nodiscard]] core::TimedAngle timed(const hal::AxisSample& sample) noexcept;
+[[nodiscard]] core::TimedRange timed(const hal::RangeSample& sample) noexcept;
 
 /// A scan has begun; its scanlines follow.
 struct ScanBegun {
@@ -97,10 +106,10 @@ class SensorHead {
   [[nodiscard]] std::optional<ScanAbort> last_abort() const noexcept { return last_abort_; }
 
   [[nodiscard]] const ScanScheduler& scheduler() const noexcept { return scheduler_; }
-  [[nodiscard]] const ScanAssembler& assembler() const noexcept { return assembler_; }
+  [[nodiscard]] const core::ScanAssembler& assembler() const noexcept { return *assembler_; }
   [[nodiscard]] const core::LatencyCalibration& calibration() const noexcept { return calibration_; }
   [[nodiscard]] const core::MotionDetector& motion() const noexcept { return motion_; }
-  [[nodiscard]] const Latency& latency() const noexcept { return calibration_.latency(); }
+  [[nodiscard]] const core::Latency& latency() const noexcept { return calibration_.latency(); }
   /// Why the last scan that was made to its end gave nothing, if its timing was in doubt.
   [[nodiscard]] const std::optional<ScanDoubt>& doubt() const noexcept { return doubt_; }
   /// The timing of a device is in doubt now.
@@ -131,7 +140,8 @@ class SensorHead {
   hal::PanTilt& pan_tilt_;
   hal::Rangefinder& rangefinder_;
   ScanScheduler scheduler_;
-  ScanAssembler assembler_;
+  ArenaBlock<core::ScanAssembler> assembler_;
+  hal::MotionProfile move_;  // of the last line
   core::LatencyCalibration calibration_;
   core::MotionDetector motion_;
   LevellingConfig levelling_;

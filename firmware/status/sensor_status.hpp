@@ -17,6 +17,9 @@
 
 namespace slamsensor::firmware {
 
+/// Of the product; that of the CMake project.
+inline constexpr std::string_view kVersion = SLAMSENSOR_VERSION;
+
 /// The one word for how the sensor stands. Each has one entry reason; NMEA is valid in Fixed alone.
 enum class SensorState : std::uint8_t {
   Starting,   ///< the devices have not all answered since start
@@ -38,6 +41,12 @@ struct CounterTable {
 
   [[nodiscard]] std::span<const hal::Counter> all() const noexcept { return {counters.data(), size}; }
   /// Appends; what does not fit is left out.
+  void append(std::span<const std::string_view> names, std::span<const std::uint64_t> values) noexcept {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const hal::Counter counter{names[i], values[i]};
+      append(std::span(&counter, 1));
+    }
+  }
   void append(std::span<const hal::Counter> more) noexcept {
     for (const hal::Counter& counter : more) {
       if (size < counters.size()) {

@@ -36,7 +36,6 @@ struct MapAbout {
 
 /// A map as a file holds it.
 struct MapFile {
-  std::uint32_t version = 0;  ///< of the format that it was read from
   MapAbout about;
   std::vector<core::MapLandmark> landmarks;
   std::vector<core::Point2> positions_W;
@@ -61,13 +60,11 @@ struct MapFileError {
   std::string message;  ///< where in the file, what, and what to do; without the name of the file
 };
 
-/// The bytes of a map file: format version 2, or 3 when it is marked frozen. `about.name` has at most 64
-/// characters.
+/// The bytes of a map file. `about.name` has at most 64 characters.
 [[nodiscard]] std::vector<std::uint8_t> encode_map(const MapAbout& about, const core::MapState& state);
 
-/// The map that `bytes` hold, format version 1 to 3, without a flaw (core::check_map) and within
-/// `capacities`. Takes memory in proportion to bytes.size(), whatever they say. A map of version 1 has no
-/// path, no creation time, no datum and no method; its landmarks had a chance per sighting.
+/// The map that `bytes` hold, without a flaw (core::check_map) and within `capacities`. Takes memory in
+/// proportion to bytes.size(), whatever they say.
 [[nodiscard]] tl::expected<MapFile, MapFileError> decode_map(std::span<const std::uint8_t> bytes,
                                                              const core::Capacities& capacities);
 

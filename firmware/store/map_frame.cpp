@@ -1,7 +1,7 @@
 #include "firmware/store/map_frame.hpp"
 
 #include "firmware/store/byte_cursor.hpp"
-#include "firmware/store/map_text.hpp"
+#include "firmware/store/map_names.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -44,10 +44,10 @@ Outcome check_magic(Bytes file) {
                                          " and is not a map of slamsensor; name a .slammap file");
 }
 
-/// The version of the file, when prefix and size are sound.
-tl::expected<std::uint32_t, MapFileError> read_prefix(Bytes file) {
+/// Whether prefix and size are sound.
+Outcome read_prefix(Bytes file) {
   if (const Outcome magic = check_magic(file); !magic) {
-    return tl::unexpected(magic.error());
+    return magic;
   }
   if (file.size() < kMapPrefixBytes) {
     return damaged(file.size(),
@@ -61,27 +61,26 @@ tl::expected<std::uint32_t, MapFileError> read_prefix(Bytes file) {
   if (const std::uint32_t found = crc32_of(file.first(kMapPrefixBytes - 4)); found != told) {
     return damaged(kMapPrefixBytes - 4, crc_mismatch(told, found));
   }
-  if (version > kMapVersionNewest) {
+  if (version > kMapVersion) {
     return refuse(MapProblem::TooNew, "byte 8: the format is version " + std::to_string(version) +
-                                          "; this program reads 1 to " + std::to_string(kMapVersionNewest) +
+                                          "; this program reads version " + std::to_string(kMapVersion) +
                                           ": install a newer slamsensor");
   }
-  if (version < kMapVersionOldest) {
+  if (version < kMapVersion) {
     return damaged(8, "there is no format version " + std::to_string(version));
   }
-  if (sections != sections_of(version)) {
+  if (sections != kMapSectionTags.size()) {
     return damaged(12, "it claims " + std::to_string(sections) + " sections; version " +
-                           std::to_string(version) + " has " + std::to_string(sections_of(version)));
+                           std::to_string(version) + " has " + std::to_string(kMapSectionTags.size()));
   }
   if (size != file.size()) {
     return damaged(16, "it claims " + std::to_string(size) + " bytes and has " + std::to_string(file.size()));
   }
-  return version;
+  return {};
 }
 
 /// The section at `begin`, when its head and checksum are sound.
-tl::expected<MapFrameSection, MapFileError> read_section(Bytes file, std::size_t begin, MapSection wanted,
-                                                         std::uint32_t version) {
+tl::expected<MapFrameSection, MapFileError> read_section(Bytes file, std::size_t begin, MapSection wanted) {
   const std::string name(kMapSectionTags[static_cast<std::size_t>(wanted)]);
   const Bytes rest = file.subspan(begin);
   if (rest.size() < kSectionHeadBytes) {
@@ -96,11 +95,11 @@ tl::expected<MapFrameSection, MapFileError> read_section(Bytes file, std::size_t
   section.record_bytes = in.take<std::uint32_t>();
   const auto told = in.take<std::uint32_t>();
   section.begin = begin + kSectionHeadBytes;
-  const std::uint32_t fixed = record_bytes_of(wanted, version);
+  const std::uint32_t fixed = record_bytes_of(wanted);
   if (fixed != 0 ? section.record_bytes != fixed : section.records != 1) {
     return damaged(begin + 4, "section " + name + ": " + std::to_string(section.records) + " records of " +
                                   std::to_string(section.record_bytes) + " bytes are not of version " +
-                                  std::to_string(version));
+                                  std::to_string(kMapVersion));
   }
   const std::uint64_t size = std::uint64_t{section.records} * section.record_bytes;
   if (size > in.left()) {
@@ -122,15 +121,13 @@ tl::unexpected<MapFileError> damaged(std::size_t byte, const std::string& what) 
 }
 
 tl::expected<MapFrame, MapFileError> read_frame(Bytes bytes) {
-  const auto version = read_prefix(bytes);
-  if (!version) {
-    return tl::unexpected(version.error());
+  if (const Outcome prefix = read_prefix(bytes); !prefix) {
+    return tl::unexpected(prefix.error());
   }
   MapFrame frame;
-  frame.version = *version;
   std::size_t begin = kMapPrefixBytes;
-  for (std::uint32_t s = 0; s < sections_of(frame.version); ++s) {
-    auto section = read_section(bytes, begin, static_cast<MapSection>(s), frame.version);
+  for (std::uint32_t s = 0; s < kMapSectionTags.size(); ++s) {
+    auto section = read_section(bytes, begin, static_cast<MapSection>(s));
     if (!section) {
       return tl::unexpected(std::move(section.error()));
     }

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <fcntl.h>
 #include <string_view>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <system_error>
@@ -246,6 +247,24 @@ tl::expected<void, IoError> sync_folder(const Path& folder) {
     return io_failure("fsync of the folder");
   }
   return {};
+}
+
+tl::expected<StoreLock, IoError> StoreLock::acquire(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / ".lock";
+  StoreLock lock(::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0644));
+  if (lock.file_ < 0) {
+    return io_failure("open");
+  }
+  if (::flock(lock.file_, LOCK_EX | LOCK_NB) != 0) {
+    return io_failure("flock");
+  }
+  return lock;
+}
+
+StoreLock::~StoreLock() {
+  if (file_ >= 0) {
+    ::close(file_);
+  }
 }
 
 }  // namespace slamsensor::firmware

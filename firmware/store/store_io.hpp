@@ -1,5 +1,7 @@
 #pragma once
 
+#include "firmware/store/map_names.hpp"
+
 #include <tl/expected.hpp>
 
 #include <cstddef>
@@ -8,10 +10,34 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <sys/types.h>
 #include <utility>
 
 namespace slamsensor::firmware {
+
+enum class StoreFault : std::uint8_t {
+  Name,     ///< not a name that a map can have, or one that is taken
+  Missing,  ///< there is no such map: no reason for alarm at a first start
+  Refused,  ///< what is there is no good map, or what is to be saved is none
+  Io,       ///< disk full, read-only, not allowed, broken, ...
+  InUse,    ///< another process has the folder
+};
+
+struct StoreError {
+  StoreFault fault = StoreFault::Io;
+  std::string message;  ///< what, where and what to do, in one line
+};
+
+[[nodiscard]] inline tl::unexpected<StoreError> store_failure(StoreFault fault, std::string message) {
+  return tl::unexpected(StoreError{fault, std::move(message)});
+}
+
+/// The error that `name` is not `is_map_name`.
+[[nodiscard]] inline tl::unexpected<StoreError> bad_map_name(std::string_view name) {
+  return store_failure(StoreFault::Name, "map name " + printable_bytes(name) +
+                                             ": use 1 to 64 characters out of A-Z, a-z, 0-9, _ and -");
+}
 
 /// A system call that failed on a file.
 struct IoError {
@@ -79,5 +105,27 @@ struct FileBytes {
 
 /// All changes of names in `folder` so far are on the disk.
 [[nodiscard]] tl::expected<void, IoError> sync_folder(const std::filesystem::path& folder);
+
+/// Holds a folder for one process: a flock on the file `.lock` in it, given back at the end of life or of the
+/// process, however that ends.
+class StoreLock {
+ public:
+  /// `error` is EWOULDBLOCK when another process holds the folder.
+  [[nodiscard]] static tl::expected<StoreLock, IoError> acquire(const std::filesystem::path& folder);
+
+  StoreLock(StoreLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+  StoreLock& operator=(StoreLock&& other) noexcept {
+    std::swap(file_, other.file_);
+    return *this;
+  }
+  StoreLock(const StoreLock&) = delete;
+  StoreLock& operator=(const StoreLock&) = delete;
+  ~StoreLock();
+
+ private:
+  explicit StoreLock(int file) : file_(file) {}
+
+  int file_;
+};
 
 }  // namespace slamsensor::firmware

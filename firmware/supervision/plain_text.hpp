@@ -13,4 +13,8 @@ namespace slamsensor::firmware {
 /// log, an answer or a status.
 [[nodiscard]] std::string plain_text(std::string_view text);
 
+/// `value` with `decimals` digits behind the point, whatever the locale; -0.0 has no sign. "unknown" when it
+/// is not finite.
+[[nodiscard]] std::string decimal_text(double value, int decimals);
+
 }  // namespace slamsensor::firmware

@@ -1,4 +1,4 @@
-#include "firmware/lcm/scan_message.hpp"
+#include "firmware/lcm/lcm_messages.hpp"
 #include "tools/spy/lcm_receiver.hpp"
 #include "tools/top/top_frame.hpp"
 

@@ -1,5 +1,5 @@
 #include "firmware/store/map_file.hpp"
-#include "firmware/store/map_layout.hpp"
+#include "firmware/store/map_frame.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -67,11 +67,7 @@ void check(std::span<const std::uint8_t> bytes) {
     std::abort();
   }
   const Bytes again = firmware::encode_map(map->about, map->state());
-  if (map->version >= firmware::kMapVersion) {
-    if (!std::equal(again.begin(), again.end(), bytes.begin(), bytes.end())) {
-      std::abort();
-    }
-  } else if (!firmware::decode_map(again, capacities)) {
+  if (!std::equal(again.begin(), again.end(), bytes.begin(), bytes.end())) {
     std::abort();
   }
 }

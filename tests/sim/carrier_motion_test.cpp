@@ -154,7 +154,7 @@ TEST(SensorAtRest, ScansAreNotRejected) {
     ASSERT_TRUE(driven) << drive->sensor().problem();
   }
   EXPECT_EQ(all_aborts(*drive), 0U);
-  EXPECT_GT(drive->sensor().motion().count(firmware::MotionEvent::LinesJudged), 20U);
+  EXPECT_GT(drive->sensor().motion().count(core::MotionEvent::LinesJudged), 20U);
 }
 
 TEST(MissedSteps, AreSeenByWhatTheLaserSees) {

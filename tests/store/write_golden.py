@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""The golden map files: what versions 1 to 3 of the format are, written down a second time.
-    write_golden.py HEADER           writes them as a C++ header
+"""The golden map file: what the format is, written down a second time.
+    write_golden.py HEADER           writes it as a C++ header
     write_golden.py --check HEADER   fails when HEADER is not what would be written
-The map in them is the one of tests/unit/firmware/store/sample_map.hpp."""
+The map in it is the one of tests/unit/firmware/store/sample_map.hpp."""
 import pathlib
 import struct
 import sys
@@ -42,27 +42,13 @@ def text(characters):
     return struct.pack("<H", len(characters)) + characters
 
 
-def version_1():
-    info = struct.pack("<qQII", SAVED, WEIGHT, NEXT_ID, SCANS) + text(NAME)
-    land = b"".join(struct.pack("<8Idd", l[0], l[1], *l[2], l[3], l[5], l[6], l[7], l[8]) for l in LANDMARKS)
-    return file(1, [section(b"INFO", 1, len(info), info), section(b"LAND", len(LANDMARKS), 48, land)])
-
-
-def version_2():
-    return with_path(2, 1)
-
-
-def version_3():
-    """Marked frozen."""
-    return with_path(3, 3)
-
-
-def with_path(version, flags):
+def golden(flags=1):
+    """Flags: 1 it has a datum, 2 it is marked frozen."""
     info = struct.pack("<QqqQQQII", SAVES, CREATED, SAVED, WEIGHT, EVICTED, THINNINGS, NEXT_ID, SCANS)
     info += struct.pack("<dddII", *METHOD) + struct.pack("<Bdddd", flags, *DATUM) + text(NAME)
     land = b"".join(struct.pack("<9Idd", l[0], l[1], *l[2], *l[3:]) for l in LANDMARKS)
     path = b"".join(struct.pack("<IIddd", *pose) for pose in PATH)
-    return file(version, [section(b"INFO", 1, len(info), info), section(b"LAND", len(LANDMARKS), 52, land),
+    return file(2, [section(b"INFO", 1, len(info), info), section(b"LAND", len(LANDMARKS), 52, land),
                     section(b"PATH", len(PATH), 32, path)])
 
 
@@ -74,9 +60,8 @@ def literal(name, content):
 
 def header():
     return ("#pragma once\n\n#include <string_view>\n\nnamespace slamsensor::tests {\n\n"
-            "/// The sample map in each version of the format, in hex: written by tests/store/write_golden.py.\n"
-            + literal("kGoldenMapVersion1", version_1()) + literal("kGoldenMapVersion2", version_2())
-            + literal("kGoldenMapVersion3", version_3())
+            "/// The sample map in hex: written by tests/store/write_golden.py.\n"
+            + literal("kGoldenMap", golden()) + literal("kGoldenFrozenMap", golden(3))
             + "\n}  // namespace slamsensor::tests\n")
 
 

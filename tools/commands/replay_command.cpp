@@ -1,4 +1,4 @@
-#include "firmware/recording/config_toml.hpp"
+#include "firmware/config/list_config.hpp"
 #include "tools/commands/command.hpp"
 #include "tools/commands/options.hpp"
 #include "tools/eval/evaluation.hpp"

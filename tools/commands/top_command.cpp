@@ -1,4 +1,4 @@
-#include "firmware/lcm/lcm_url.hpp"
+#include "firmware/lcm/lcm_sink.hpp"
 #include "hal/clock.hpp"
 #include "tools/commands/command.hpp"
 #include "tools/spy/lcm_receiver.hpp"

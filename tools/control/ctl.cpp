@@ -2,7 +2,6 @@
 
 #include "firmware/control/control_protocol.hpp"
 #include "firmware/control/control_request.hpp"
-#include "firmware/control/control_request.hpp"
 #include "firmware/supervision/unix_address.hpp"
 
 #include <nlohmann/json.hpp>

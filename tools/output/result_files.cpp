@@ -1,7 +1,7 @@
 #include "tools/output/result_files.hpp"
 
 #include "core/fix_names.hpp"
-#include "firmware/store/map_text.hpp"
+#include "firmware/store/map_names.hpp"
 #include "tools/output/number_text.hpp"
 
 #include <Eigen/Geometry>

@@ -1,6 +1,6 @@
 #include "tools/recording/playback.hpp"
 
-#include "firmware/recording/head_command.hpp"
+#include "firmware/recording/recording_links.hpp"
 #include "tools/output/number_text.hpp"
 
 #include <algorithm>

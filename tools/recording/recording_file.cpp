@@ -1,8 +1,7 @@
 #include "tools/recording/recording_file.hpp"
 
-#include "firmware/lcm/pose_message.hpp"
-#include "firmware/recording/big_endian.hpp"
-#include "firmware/recording/messages.hpp"
+#include "firmware/lcm/lcm_messages.hpp"
+#include "firmware/recording/event_log.hpp"
 
 #include <algorithm>
 #include <array>

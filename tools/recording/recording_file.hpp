@@ -2,7 +2,7 @@
 
 #include "core/fix.hpp"
 #include "core/landmark.hpp"
-#include "firmware/lcm/scan_message.hpp"
+#include "firmware/lcm/lcm_messages.hpp"
 #include "firmware/recording/event_log.hpp"
 #include "firmware/recording/map_order.hpp"
 #include "tools/input/text.hpp"

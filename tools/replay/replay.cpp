@@ -1,6 +1,6 @@
 #include "tools/replay/replay.hpp"
 
-#include "firmware/lcm/pose_message.hpp"
+#include "firmware/lcm/lcm_messages.hpp"
 #include "firmware/pipeline.hpp"
 #include "firmware/store/map_file.hpp"
 #include "hal/stamp.hpp"

@@ -1,10 +1,7 @@
 #include "tools/spy/channel_table.hpp"
 
-#include "firmware/lcm/map_message.hpp"
-#include "firmware/lcm/pose_message.hpp"
-#include "firmware/lcm/scan_message.hpp"
-#include "firmware/lcm/status_message.hpp"
-#include "firmware/recording/messages.hpp"
+#include "firmware/lcm/lcm_messages.hpp"
+#include "firmware/recording/event_log.hpp"
 #include "tools/output/number_text.hpp"
 
 #include <algorithm>

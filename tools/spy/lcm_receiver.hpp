@@ -1,6 +1,6 @@
 #pragma once
 
-#include "firmware/lcm/lcm_url.hpp"
+#include "firmware/lcm/lcm_sink.hpp"
 
 #include <tl/expected.hpp>
 

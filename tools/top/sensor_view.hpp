@@ -1,9 +1,7 @@
 #pragma once
 
 #include "core/geometry/pose2.hpp"
-#include "firmware/lcm/map_message.hpp"
-#include "firmware/lcm/pose_message.hpp"
-#include "firmware/lcm/status_message.hpp"
+#include "firmware/lcm/lcm_messages.hpp"
 #include "hal/stamp.hpp"
 #include "tools/spy/lcm_receiver.hpp"
 

@@ -1,7 +1,7 @@
 #include "tools/top/top_frame.hpp"
 
 #include "core/fix_names.hpp"
-#include "firmware/supervision/status_parts.hpp"
+#include "firmware/status/status_text.hpp"
 #include "tools/output/number_text.hpp"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 #include "core/limits.hpp"
-#include "firmware/config/rows/setting_path.hpp"
 #include "firmware/config/rows/setting_rows.hpp"
 
 #include <string_view>
@@ -15,24 +14,18 @@ using core::DetectionConfig;
 using core::MappingConfig;
 using core::MountConfig;
 
-// Names of the enumerators, in their order.
+// Lists of names are those of the enumerators, in their order.
+
+constexpr std::string_view kModes[] = {"continuous", "single", "one_shot"};
+constexpr std::string_view kRoundings[] = {"nearest", "down", "toward_zero"};
+constexpr auto kScanHead = &Config::scan_head;
+
 constexpr std::string_view kPoints[] = {"hull_centroid", "reading_mean"};
 constexpr std::string_view kFits[] = {"least_squares", "robust"};
 constexpr std::string_view kRanks[] = {"significance", "matches"};
 constexpr std::string_view kRules[] = {"evidence", "paper"};
 constexpr std::string_view kSearches[] = {"fast", "paper"};
 constexpr std::string_view kUpdates[] = {"paper", "mean"};
-
-constexpr Section kSections[] = {
-    {"mount",
-     "Where the sensor sits on what carries it. Fixes and maps are the carrier's; all 0: the sensor's own."},
-    {"detection", "Landmark detection: from the readings of a scan to at most landmarks_max points."},
-    {"association", "Data association: which scan landmark is which map landmark, no pose known."},
-    {"acceptance", "When an associated pose is believed."},
-    {"mapping", "Hypotheses, and how the map follows what was seen."},
-    {"capacities", "What memory is taken for at start; 'slamsensor memory' prints the plan."},
-};
-
 constexpr auto kCore = &Config::core;
 constexpr auto kMount = &core::Config::mount;
 constexpr auto kDetection = &core::Config::detection;
@@ -41,8 +34,85 @@ constexpr auto kAcceptance = &core::Config::acceptance;
 constexpr auto kMapping = &core::Config::mapping;
 constexpr auto kCapacities = &core::Config::capacities;
 
+constexpr std::string_view kOrders[] = {"weight", "diameter", "nearest"};
+
+constexpr Section kSections[] = {
+    {"scan", "What is swept, and how. Defaults: experiments I and II of the paper, 51 scanlines of 5 s."},
+    {"pan_fit", "How the pan angle of each reading is found from the positions that the unit tells."},
+    {"latency", "How the constant latency between the two devices is found by the sensor itself."},
+    {"motion",
+     "How a scan is recognised that was not made from one place, because the carrier moved meanwhile."},
+    {"mount",
+     "Where the sensor sits on what carries it. Fixes and maps are the carrier's; all 0: the sensor's own."},
+    {"detection", "Landmark detection: from the readings of a scan to at most landmarks_max points."},
+    {"association", "Data association: which scan landmark is which map landmark, no pose known."},
+    {"acceptance", "When an associated pose is believed."},
+    {"mapping", "Hypotheses, and how the map follows what was seen."},
+    {"capacities", "What memory is taken for at start; 'slamsensor memory' prints the plan."},
+    {"point_cloud", "How a point cloud becomes scanlines."},
+    {"landmark_list", "How a list of landmarks becomes a scan."},
+};
+
 // clang-format off
 constexpr Setting kSettings[] = {
+    {"scan.pan_min_deg", "deg", "Right end of a scanline; pan is positive to the left.",
+     degrees<kScanHead, &SensorHeadConfig::scan, &ScanConfig::pan_min_rad>(-180.0, 180.0)},
+    {"scan.pan_max_deg", "deg", "Left end of a scanline.",
+     degrees<kScanHead, &SensorHeadConfig::scan, &ScanConfig::pan_max_rad>(-180.0, 180.0)},
+    {"scan.tilt_min_deg", "deg", "Lowest scanline; tilt is positive upwards.",
+     degrees<kScanHead, &SensorHeadConfig::scan, &ScanConfig::tilt_min_rad>(-90.0, 90.0)},
+    {"scan.tilt_max_deg", "deg", "Highest scanline.",
+     degrees<kScanHead, &SensorHeadConfig::scan, &ScanConfig::tilt_max_rad>(-90.0, 90.0)},
+    {"scan.tilt_step_deg", "deg", "From one scanline to the next.",
+     degrees<kScanHead, &SensorHeadConfig::scan, &ScanConfig::tilt_step_rad>(0.001, 90.0)},
+    {"scan.pan_speed_deg_s", "deg/s", "Speed of a sweep; at most the unit's.",
+     degrees<kScanHead, &SensorHeadConfig::scan, &ScanConfig::pan_speed_radps>(0.1, 1000.0)},
+    {"scan.tilt_speed_deg_s", "deg/s", "Speed from one scanline to the next; at most the unit's.",
+     degrees<kScanHead, &SensorHeadConfig::scan, &ScanConfig::tilt_speed_radps>(0.1, 1000.0)},
+    {"scan.mode", "", "One scan after the other; one for each request; or one at start and then for each request.",
+     choice<kScanHead, &SensorHeadConfig::scan, &ScanConfig::mode>(kModes), Apply::Live},
+    {"scan.calibration_lines", "", "Even: scanlines swept at start-up at one tilt, to find the latency between the devices.",
+     integer<kScanHead, &SensorHeadConfig::scan, &ScanConfig::calibration_lines>(0, 100)},
+    {"scan.calibration_tilt_deg", "deg", "Where they are swept.",
+     degrees<kScanHead, &SensorHeadConfig::scan, &ScanConfig::calibration_tilt_rad>(-90.0, 90.0)},
+    {"scan.settle_s", "s", "From the arrival of both axes to the sweep.",
+     real<kScanHead, &SensorHeadConfig::scan, &ScanConfig::settle_s>(0.0, 10.0)},
+    {"scan.late_data_s", "s", "How long data of an ended line may be under way.",
+     real<kScanHead, &SensorHeadConfig::scan, &ScanConfig::late_data_s>(0.0, 10.0)},
+    {"scan.retry_s", "s", "Rest between an aborted scan and the next.",
+     real<kScanHead, &SensorHeadConfig::scan, &ScanConfig::retry_s>(0.0, 600.0)},
+    {"scan.lines_rejected_max_share", "", "A scan with a larger share of rejected lines is aborted.",
+     real<kScanHead, &SensorHeadConfig::scan, &ScanConfig::lines_rejected_max_share>(0.0, 1.0)},
+    {"scan.pan_sigma_max_deg", "deg", "A line whose pan angles are known worse (1 sigma) is left out; a scan with too many gives no fix.",
+     degrees<kScanHead, &SensorHeadConfig::scan, &ScanConfig::pan_sigma_max_rad>(0.01, 10.0)},
+    {"scan.readings_per_line_max", "", "Room for the readings of a line; 56 bytes each.",
+     integer<kScanHead, &SensorHeadConfig::scan, &ScanConfig::readings_per_line_max>(100, 2'000'000)},
+    {"scan.polls_per_line_max", "", "Room for the positions of a line.",
+     integer<kScanHead, &SensorHeadConfig::scan, &ScanConfig::polls_per_line_max>(10, 100'000)},
+
+    {"pan_fit.polls_min", "", "Positions of the moving axis that a line needs.",
+     integer<kScanHead, &SensorHeadConfig::pan_fit, &PanFitConfig::polls_min>(3, 1000)},
+    {"pan_fit.rounding", "", "How the unit makes a whole position out of where its axis is.",
+     choice<kScanHead, &SensorHeadConfig::pan_fit, &PanFitConfig::rounding>(kRoundings)},
+
+    {"latency.self_calibration", "", "Whether the latency between the devices is found from opposite sweeps; else initial_s counts.",
+     boolean<kScanHead, &SensorHeadConfig::latency, &LatencyConfig::self_calibration>()},
+    {"latency.initial_s", "s", "Added to a reading's time until something better is known.",
+     real<kScanHead, &SensorHeadConfig::latency, &LatencyConfig::initial_s>(-0.5, 0.5)},
+    {"latency.initial_sigma_s", "s", "1 sigma of initial_s.",
+     real<kScanHead, &SensorHeadConfig::latency, &LatencyConfig::initial_sigma_s>(1e-6, 0.5)},
+    {"latency.range_max_m", "m", "For this, what is farther counts as no return.",
+     real<kScanHead, &SensorHeadConfig::latency, &LatencyConfig::range_max_m>(1.0, 10'000.0)},
+
+    {"motion.enabled", "", "Whether a scan during which the carrier moved is recognised and rejected.",
+     boolean<kScanHead, &SensorHeadConfig::motion, &MotionConfig::enabled>()},
+    {"motion.distance_min_m", "m", "A shorter move ...",
+     real<kScanHead, &SensorHeadConfig::motion, &MotionConfig::distance_min_m>(0.01, 10.0)},
+    {"motion.angle_min_deg", "deg", "... and a lesser turn are let pass.",
+     degrees<kScanHead, &SensorHeadConfig::motion, &MotionConfig::angle_min_rad>(0.06, 57.0)},
+    {"motion.range_max_m", "m", "What is farther is not looked at.",
+     real<kScanHead, &SensorHeadConfig::motion, &MotionConfig::range_max_m>(5.0, 1000.0)},
+
     {"mount.x_m", "m", "Forward from the carrier's reference point to the sensor.",
      real<kCore, kMount, &MountConfig::x_m>(-100.0, 100.0)},
     {"mount.y_m", "m", "To the left from the carrier's reference point to the sensor.",
@@ -124,6 +194,26 @@ constexpr Setting kSettings[] = {
      integer<kCore, kCapacities, &Capacities::path_poses>(1, 10'000'000)},
     {"capacities.sightings", "", "Landmarks in scans that the refinement keeps; about 10 for a landmark.",
      integer<kCore, kCapacities, &Capacities::sightings>(100, 100'000'000)},
+
+    {"point_cloud.tilt_step_deg", "deg", "Without a ring field, points are grouped into scanlines of this height.",
+     degrees<&Config::point_cloud, &PointCloudConfig::tilt_step_rad>(0.01, 10.0)},
+    {"point_cloud.absent_is_no_return", "", "A column without a point was looked at and nothing came back.",
+     boolean<&Config::point_cloud, &PointCloudConfig::absent_is_no_return>()},
+    {"point_cloud.roll_deg", "deg", "Roll of the sensor, taken out of every point.",
+     degrees<&Config::point_cloud, &PointCloudConfig::roll_rad>(-180.0, 180.0)},
+    {"point_cloud.pitch_deg", "deg", "Pitch of the sensor, taken out of every point.",
+     degrees<&Config::point_cloud, &PointCloudConfig::pitch_rad>(-90.0, 90.0)},
+
+    {"landmark_list.order", "", "What makes a landmark heavy; the heaviest detection.landmarks_max are used.",
+     choice<&Config::landmark_list, &LandmarkListConfig::order>(kOrders)},
+    {"landmark_list.weight_min", "", "Rows of less weight are left out.",
+     real<&Config::landmark_list, &LandmarkListConfig::weight_min>(0.0, 1e9)},
+    {"landmark_list.diameter_min_m", "m", "Thinner landmarks are left out.",
+     real<&Config::landmark_list, &LandmarkListConfig::diameter_min_m>(0.0, 100.0)},
+    {"landmark_list.field_of_view_deg", "deg", "Of the sensor that saw them, centred on its forward axis; 0: not known.",
+     degrees<&Config::landmark_list, &LandmarkListConfig::field_of_view_rad>(0.0, 360.0)},
+    {"landmark_list.range_m", "m", "Up to which that sensor sees landmarks; 0: not known.",
+     real<&Config::landmark_list, &LandmarkListConfig::range_m>(0.0, 2000.0)},
 };
 // clang-format on
 

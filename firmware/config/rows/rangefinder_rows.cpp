@@ -1,6 +1,7 @@
-#include "firmware/config/rows/setting_path.hpp"
 #include "firmware/config/rows/setting_rows.hpp"
+#include "firmware/config/rows/text_rules.hpp"
 #include "hal/rangefinder/lwnx_products.hpp"
+#include "hal/rangefinder/point_record.hpp"
 
 #include <string_view>
 
@@ -8,21 +9,24 @@ namespace slamsensor::firmware {
 namespace {
 
 using namespace rows;
+using core::Attitude;
 using hal::BenewakeCanConfig;
 using hal::BenewakeConfig;
 using hal::BenewakeSerialConfig;
+using hal::Cia410Config;
+using hal::IioConfig;
 using hal::LwnxConfig;
+using hal::PointLaserConfig;
 using hal::RangeConfig;
 using hal::SampleClockConfig;
 
-// Names of the enumerators, in their order.
+// Lists of names are those of the enumerators, in their order.
+
 constexpr std::string_view kPolicies[] = {"keep", "change"};
 constexpr std::string_view kModes[] = {"readings", "readings_mm", "raw_readings"};
 constexpr std::string_view kModels[] = {"tf03", "tfmini", "tfmini_plus", "tfmini_s", "tf02"};
 constexpr std::string_view kCommands[] = {"none", "as_serial"};
-
 constexpr std::uint32_t kRateWidths[] = {0, 1, 2, 4};
-
 constexpr auto kHead = &Config::head;
 constexpr auto kLwnx = &HeadConfig::lwnx;
 constexpr auto kSerial = &HeadConfig::benewake_serial;
@@ -30,11 +34,46 @@ constexpr auto kDevice = &BenewakeSerialConfig::device;
 constexpr auto kCan = &HeadConfig::benewake_can;
 constexpr auto kClock = &RangeConfig::clock;
 
+constexpr std::string_view kPresets[] = {"astech_lds70a", "mdl_laserace_im_hr", "custom"};
+constexpr std::string_view kLayouts[] = {"from_manual", "unverified"};
+constexpr std::string_view kSearches[] = {"this_baud", "usual_bauds"};
+constexpr std::string_view kRecords[] = {"ascii_decimal", "ascii_hex", "packed7", "pair"};
+constexpr std::string_view kPrefixes[] = {"required", "optional"};
+constexpr std::string_view kOrders[] = {"big_endian", "little_endian"};
+constexpr auto kLaser = &HeadConfig::point_laser;
+using Texts = std::vector<std::string>;
+constexpr Access<Texts> kCodes = {
+    [](Config& config, const Texts& codes) { config.head.point_laser.codes = point_codes(codes); },
+    [](const Config& config) { return std::optional(texts_of(config.head.point_laser.codes)); }};
+constexpr Access<Texts> kTexts = {
+    [](Config& config, const Texts& texts) { config.head.point_laser.texts = point_texts(texts); },
+    [](const Config& config) { return std::optional(texts_of(config.head.point_laser.texts)); }};
+constexpr Access<std::string> kStrengthSeparator = {
+    [](Config& config, const std::string& text) {
+      config.head.point_laser.strength_separator = text.empty() ? '\0' : text.front();
+    },
+    [](const Config& config) {
+      const char separator = config.head.point_laser.strength_separator;
+      return std::optional(separator == '\0' ? std::string() : std::string(1, separator));
+    }};
+
+constexpr std::string_view kSources[] = {"none", "fixed", "can", "iio"};
+constexpr std::string_view kLongSlopes[] = {"front_down", "front_up"};
+constexpr std::string_view kLateralSlopes[] = {"left_up", "left_down"};
+constexpr auto kScanHead = &Config::scan_head;
+constexpr auto kLevelling = &SensorHeadConfig::levelling;
+constexpr auto kCia410 = &HeadConfig::cia410;
+constexpr auto kIio = &HeadConfig::iio;
+
 constexpr Section kSections[] = {
     {"lwnx", "Rangefinder of LightWare that speaks LWNX. Line rate and product are found."},
     {"benewake", "Rangefinder of Benewake, on whichever line."},
     {"benewake_serial", "The same on a serial line."},
     {"benewake_can", "The same on a CAN bus."},
+    {"point_laser", "Any other rangefinder on a serial line that sends its readings by itself."},
+    {"inclination",
+     "How the sensor leans, and what tells it. Roll is positive when the left side is up, pitch when the "
+     "front is down."},
 };
 
 // clang-format off
@@ -55,20 +94,12 @@ constexpr Setting kSettings[] = {
      real<kHead, kLwnx, &LwnxConfig::range, &RangeConfig::saturated_from>(1e-6, kInfinity)},
     {"lwnx.clock_timing", "", "Whether readings come at a constant rate, from which their times are then found.",
      choice<kHead, kLwnx, &LwnxConfig::range, kClock, &SampleClockConfig::timing>(kClockTimings)},
-    {"lwnx.clock_tolerance_ppm", "ppm", "The device's rate is within this of its nominal one.",
-     real<kHead, kLwnx, &LwnxConfig::range, kClock, &SampleClockConfig::tolerance_ppm>(0.0, 100'000.0)},
-    {"lwnx.clock_lump_s", "s", "Bytes are handed over in lumps of at most this; what is later is a gap.",
-     duration<kHead, kLwnx, &LwnxConfig::range, kClock, &SampleClockConfig::lump>(0.0, 1.0)},
-    {"lwnx.clock_stop_s", "s", "A pause after which the device's phase is taken to be new.",
-     duration<kHead, kLwnx, &LwnxConfig::range, kClock, &SampleClockConfig::stop>(0.001, 60.0)},
     {"lwnx.lost_signal_counter", "", "Misses until the device says \"lost\"; before that it repeats old distances.",
      integer<kHead, kLwnx, &LwnxConfig::lost_signal_counter>(1, 250)},
     {"lwnx.rate_width", "", "Bytes of the update rate's value; 0: as the product's table says.",
      one_of<kHead, kLwnx, &LwnxConfig::rate_width>(kRateWidths)},
     {"lwnx.reading_unit_m", "m", "Unit of a distance in command 44; 0: as the product's table says.",
      real<kHead, kLwnx, &LwnxConfig::reading_unit_m>(0.0, 1.0)},
-    {"lwnx.reply_patience_s", "s", "Patience for the answer to a command.",
-     duration<kHead, kLwnx, &LwnxConfig::reply_patience>(0.01, 10.0)},
 
     {"benewake.model", "", "Product.",
      choice<kHead, kSerial, kDevice, &BenewakeConfig::model>(kModels)},
@@ -82,16 +113,8 @@ constexpr Setting kSettings[] = {
      real<kHead, kSerial, kDevice, &BenewakeConfig::range, &RangeConfig::saturated_from>(1e-6, kInfinity)},
     {"benewake.clock_timing", "", "Whether readings come at a constant rate, from which their times are then found.",
      choice<kHead, kSerial, kDevice, &BenewakeConfig::range, kClock, &SampleClockConfig::timing>(kClockTimings)},
-    {"benewake.clock_tolerance_ppm", "ppm", "The device's rate is within this of its nominal one.",
-     real<kHead, kSerial, kDevice, &BenewakeConfig::range, kClock, &SampleClockConfig::tolerance_ppm>(0.0, 100'000.0)},
-    {"benewake.clock_lump_s", "s", "Bytes are handed over in lumps of at most this; what is later is a gap.",
-     duration<kHead, kSerial, kDevice, &BenewakeConfig::range, kClock, &SampleClockConfig::lump>(0.0, 1.0)},
-    {"benewake.clock_stop_s", "s", "A pause after which the device's phase is taken to be new.",
-     duration<kHead, kSerial, kDevice, &BenewakeConfig::range, kClock, &SampleClockConfig::stop>(0.001, 60.0)},
     {"benewake.over_range_cm", "cm", "What the device says for \"nothing\"; also set in a TF03.",
      integer<kHead, kSerial, kDevice, &BenewakeConfig::over_range_cm>(0, 65'535)},
-    {"benewake.reply_patience_s", "s", "Patience for the answer to a command.",
-     duration<kHead, kSerial, kDevice, &BenewakeConfig::reply_patience>(0.01, 10.0)},
 
     {"benewake_serial.baud", "baud", "Line rate that is tried first.",
      integer<kHead, kSerial, &BenewakeSerialConfig::baud>(9600, 4'000'000)},
@@ -110,6 +133,94 @@ constexpr Setting kSettings[] = {
      integer<kHead, kCan, &BenewakeCanConfig::bitrate>(10'000, 1'000'000)},
     {"benewake_can.commands", "", "none: the device takes no commands on CAN and must already send at rate_hz.",
      choice<kHead, kCan, &BenewakeCanConfig::commands>(kCommands)},
+
+    {"point_laser.preset", "", "Product whose values stand where a key of this section is not written.",
+     choice<kHead, &HeadConfig::point_laser_preset>(kPresets)},
+    {"point_laser.product", "", "Name in messages and in the status.",
+     free_text<kHead, kLaser, &PointLaserConfig::product>(kProductName)},
+    {"point_laser.layout", "", "unverified: the status says that the layout below was not found in a manual.",
+     choice<kHead, kLaser, &PointLaserConfig::layout>(kLayouts)},
+    {"point_laser.rate_hz", "Hz", "Readings per second that the device sends.",
+     real<kHead, kLaser, &PointLaserConfig::rate_hz>(0.1, 50'000.0)},
+    {"point_laser.baud", "baud", "Line rate.",
+     integer<kHead, kLaser, &PointLaserConfig::baud>(300, 4'000'000)},
+    {"point_laser.search", "", "usual_bauds: the device is also looked for at the other usual rates.",
+     choice<kHead, kLaser, &PointLaserConfig::search>(kSearches)},
+    {"point_laser.range_max_m", "m", "What is farther counts as no return.",
+     real<kHead, kLaser, &PointLaserConfig::range, &RangeConfig::range_max_m>(0.1, 10'000.0)},
+    {"point_laser.weak_below", "", "Strength, in the device's unit, below which a distance is not trusted.",
+     real<kHead, kLaser, &PointLaserConfig::range, &RangeConfig::weak_below>(0.0, 1e9)},
+    {"point_laser.saturated_from", "", "Strength from which a distance is not trusted; inf: none.",
+     real<kHead, kLaser, &PointLaserConfig::range, &RangeConfig::saturated_from>(1e-6, kInfinity)},
+    {"point_laser.clock_timing", "", "Whether readings come at a constant rate, from which their times are then found.",
+     choice<kHead, kLaser, &PointLaserConfig::range, kClock, &SampleClockConfig::timing>(kClockTimings)},
+    {"point_laser.resolution_m", "m", "Smallest step of a distance.",
+     real<kHead, kLaser, &PointLaserConfig::resolution_m>(0.0, 100.0)},
+    {"point_laser.record", "", "How a reading is written: decimal or hexadecimal text, 7 bits a byte, or two bytes without a frame.",
+     choice<kHead, kLaser, &PointLaserConfig::record>(kRecords)},
+    {"point_laser.unit_m", "m", "Distance = number * unit_m + offset_m.",
+     real<kHead, kLaser, &PointLaserConfig::unit_m>(1e-9, 1000.0)},
+    {"point_laser.offset_m", "m", "See unit_m.",
+     real<kHead, kLaser, &PointLaserConfig::offset_m>(-1000.0, 1000.0)},
+    {"point_laser.codes", "", "Numbers, as their digits without the point, that are no distance, and what they mean.",
+     TextListSetting{kCodes, &kPointCode, {0, hal::kPointCodesMax}}},
+    {"point_laser.texts", "", "Texts that come instead of a reading, and what they mean.",
+     TextListSetting{kTexts, &kPointText, {0, hal::kPointCodesMax}}},
+    {"point_laser.terminator", "", "What ends a text record.",
+     free_text<kHead, kLaser, &PointLaserConfig::terminator>(kTerminator)},
+    {"point_laser.prefix", "", "What begins a text record.",
+     free_text<kHead, kLaser, &PointLaserConfig::prefix>(kRecordPrefix)},
+    {"point_laser.prefix_is", "", "Whether every record has the prefix.",
+     choice<kHead, kLaser, &PointLaserConfig::prefix_is>(kPrefixes)},
+    {"point_laser.width", "", "Characters of a text record without its terminator; 0: any, then a lost digit may go unseen.",
+     integer<kHead, kLaser, &PointLaserConfig::width>(0, 48)},
+    {"point_laser.decimals", "", "Digits after the point; -1: any.",
+     integer<kHead, kLaser, &PointLaserConfig::decimals>(-1, 9)},
+    {"point_laser.strength_separator", "", "What stands between distance and strength; empty: there is no strength.",
+     FreeTextSetting{kStrengthSeparator, &kSeparator}},
+    {"point_laser.packed_bytes", "", "Bytes of a packed7 record.",
+     integer<kHead, kLaser, &PointLaserConfig::packed_bytes>(2, 3)},
+    {"point_laser.byte_order", "", "Of a pair.",
+     choice<kHead, kLaser, &PointLaserConfig::order>(kOrders)},
+    {"point_laser.stop", "", "Command that stops the device, with its end of line; empty: none.",
+     free_text<kHead, kLaser, &PointLaserConfig::stop>(kCommand)},
+    {"point_laser.set_up", "", "Commands sent between stop and start.",
+     texts<kHead, kLaser, &PointLaserConfig::set_up>(kCommand, {0, hal::kPointCommandsMax})},
+    {"point_laser.start", "", "Command that starts the readings; empty: none.",
+     free_text<kHead, kLaser, &PointLaserConfig::start>(kCommand)},
+    {"point_laser.settle_s", "s", "Pause after each command.",
+     duration<kHead, kLaser, &PointLaserConfig::settle>(0.0, 10.0)},
+
+    {"inclination.source", "", "none: it stands upright; fixed: roll_deg and pitch_deg; can: CiA 410 inclinometer; iio: accelerometer.",
+     choice<kScanHead, kLevelling, &LevellingConfig::source>(kSources)},
+    {"inclination.roll_deg", "deg", "Roll of the sensor, for source = \"fixed\".",
+     degrees<kScanHead, kLevelling, &LevellingConfig::fixed, &Attitude::roll_rad>(-45.0, 45.0)},
+    {"inclination.pitch_deg", "deg", "Pitch of the sensor, for source = \"fixed\".",
+     degrees<kScanHead, kLevelling, &LevellingConfig::fixed, &Attitude::pitch_rad>(-45.0, 45.0)},
+    {"inclination.offset_roll_deg", "deg", "Roll that the device tells while the sensor stands upright.",
+     degrees<kScanHead, kLevelling, &LevellingConfig::offset, &Attitude::roll_rad>(-180.0, 180.0)},
+    {"inclination.offset_pitch_deg", "deg", "Pitch that the device tells while the sensor stands upright.",
+     degrees<kScanHead, kLevelling, &LevellingConfig::offset, &Attitude::pitch_rad>(-90.0, 90.0)},
+    {"inclination.max_age_s", "s", "Without a measurement for longer than this the sensor does not scan.",
+     real<kScanHead, kLevelling, &LevellingConfig::max_age_s>(0.2, 60.0)},
+    {"inclination.max_lean_deg", "deg", "A sensor that leans by more does not scan.",
+     degrees<kScanHead, kLevelling, &LevellingConfig::max_lean_rad>(1.0, 45.0)},
+    {"inclination.moved_deg", "deg", "Tilted by more than this during a scan, the carrier has moved.",
+     degrees<kScanHead, kLevelling, &LevellingConfig::moved_rad>(0.05, 45.0)},
+    {"inclination.can_interface", "", "CAN interface of the inclinometer; its bit rate is the system's.",
+     free_text<kHead, kCia410, &Cia410Config::interface>(kInterface)},
+    {"inclination.can_node", "", "Its node number.",
+     integer<kHead, kCia410, &Cia410Config::node>(1, 127)},
+    {"inclination.can_long_slope", "", "What its longitudinal slope means when it is positive.",
+     choice<kHead, kCia410, &Cia410Config::long_slope>(kLongSlopes)},
+    {"inclination.can_lateral_slope", "", "What its lateral slope means when it is positive.",
+     choice<kHead, kCia410, &Cia410Config::lateral_slope>(kLateralSlopes)},
+    {"inclination.can_poll_hz", "Hz", "Measurements asked for.",
+     real<kHead, kCia410, &Cia410Config::poll_hz>(0.1, 50.0)},
+    {"inclination.iio_device", "", "Accelerometer: its name or label (\"adxl345\"), \"iio:device0\", or its folder.",
+     free_text<kHead, kIio, &IioConfig::device>(kIioDevice)},
+    {"inclination.iio_mean_s", "s", "A measurement is the mean of readings for so long.",
+     real<kHead, kIio, &IioConfig::mean_s>(0.0, 10.0)},
 };
 // clang-format on
 

@@ -1,6 +1,4 @@
-#include "firmware/output/geo_reference.hpp"
-
-#include "firmware/output/position_error.hpp"
+#include "firmware/output/nmea.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "firmware/config/assignment.hpp"
+#include "firmware/config/load_config.hpp"
 
 #include <gmock/gmock.h>
 

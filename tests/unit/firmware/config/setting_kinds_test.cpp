@@ -20,9 +20,9 @@ std::string text_of(std::string_view key, const LoadedConfig& config) {
 }
 
 TEST(SettingKinds, TimesAreSecondsInTheFileAndStampsInTheProgram) {
-  const LoadedConfig config = loaded("[ptu]\nquery_timeout_s = 0.1234\n[lwnx]\nclock_stop_s = 2\n");
+  const LoadedConfig config = loaded("[ptu]\nquery_timeout_s = 0.1234\nretry_wait_s = 2\n");
   EXPECT_EQ(config.config.head.ptu.query_timeout, std::chrono::microseconds(123'400));
-  EXPECT_EQ(config.config.head.lwnx.range.clock.stop, std::chrono::seconds(2));
+  EXPECT_EQ(config.config.head.ptu.retry_wait, std::chrono::seconds(2));
   EXPECT_EQ(text_of("ptu.query_timeout_s", config), "0.1234");
 }
 

@@ -1,8 +1,7 @@
 #pragma once
 
 #include "firmware/control/control_request.hpp"
-#include "firmware/control/status_json.hpp"
-#include "firmware/control/status_text.hpp"
+#include "firmware/control/status_report.hpp"
 
 #include <optional>
 #include <stdexcept>

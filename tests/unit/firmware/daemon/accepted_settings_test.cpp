@@ -1,7 +1,6 @@
 // What check-config accepts, the daemon starts with: every corner of every setting, for each kind of head.
 
 #include "core/slam.hpp"
-#include "firmware/config/assignment.hpp"
 #include "firmware/config/load_config.hpp"
 #include "firmware/daemon/sensor_threads.hpp"
 

@@ -1,5 +1,4 @@
-#include "firmware/daemon/device_watch.hpp"
-
+#include "firmware/status/sensor_tracker.hpp"
 #include "tests/support/fake_head.hpp"
 
 #include <gtest/gtest.h>

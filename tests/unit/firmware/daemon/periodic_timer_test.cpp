@@ -1,4 +1,4 @@
-#include "firmware/daemon/periodic_timer.hpp"
+#include "firmware/daemon/realtime.hpp"
 
 #include <gtest/gtest.h>
 

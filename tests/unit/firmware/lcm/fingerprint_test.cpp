@@ -1,4 +1,4 @@
-#include "firmware/lcm/fingerprint.hpp"
+#include "firmware/lcm/message.hpp"
 
 #include <gtest/gtest.h>
 

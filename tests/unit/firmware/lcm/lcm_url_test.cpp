@@ -1,4 +1,4 @@
-#include "firmware/lcm/lcm_url.hpp"
+#include "firmware/lcm/lcm_sink.hpp"
 
 #include <gtest/gtest.h>
 

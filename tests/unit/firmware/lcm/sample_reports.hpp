@@ -1,9 +1,6 @@
 #pragma once
 
-#include "firmware/lcm/map_message.hpp"
-#include "firmware/lcm/pose_message.hpp"
-#include "firmware/lcm/scan_message.hpp"
-#include "firmware/lcm/status_message.hpp"
+#include "firmware/lcm/lcm_messages.hpp"
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "firmware/output/epoch_planner.hpp"
+#include "firmware/output/nmea_publisher.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,5 @@
-#include "firmware/output/nmea_line.hpp"
-
 #include "firmware/output/nmea.hpp"
+#include "firmware/output/nmea_sentence.hpp"
 #include "tests/unit/firmware/output/nmea_lines.hpp"
 
 #include <gmock/gmock.h>

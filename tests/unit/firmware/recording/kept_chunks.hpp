@@ -1,6 +1,6 @@
 #pragma once
 
-#include "firmware/recording/tape_sink.hpp"
+#include "firmware/recording/tape_format.hpp"
 
 #include <vector>
 

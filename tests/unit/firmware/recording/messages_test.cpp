@@ -1,4 +1,4 @@
-#include "firmware/recording/messages.hpp"
+#include "firmware/recording/event_log.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #include "firmware/recording/recorder.hpp"
 
+#include "firmware/config/list_config.hpp"
 #include "firmware/config/load_config.hpp"
-#include "firmware/recording/config_toml.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "firmware/recording/recording_links.hpp"
 
-#include "firmware/recording/tape_ring.hpp"
+#include "firmware/recording/tape_writer.hpp"
 #include "tests/support/no_alloc_scope.hpp"
 #include "tests/support/scripted_can_link.hpp"
 #include "tests/support/scripted_link.hpp"

@@ -1,6 +1,5 @@
 #include "firmware/recording/tape_writer.hpp"
 
-#include "firmware/recording/tape_ring.hpp"
 #include "tests/unit/firmware/recording/kept_chunks.hpp"
 
 #include <gtest/gtest.h>

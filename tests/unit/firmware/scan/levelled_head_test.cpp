@@ -2,7 +2,7 @@
 // and a lean that changes during a scan is a carrier that moved.
 
 #include "core/detection/levelling.hpp"
-#include "firmware/recording/head_command.hpp"
+#include "firmware/recording/recording_links.hpp"
 #include "tests/unit/firmware/scan/head_scene.hpp"
 
 #include <gtest/gtest.h>

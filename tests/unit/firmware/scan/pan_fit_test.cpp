@@ -1,5 +1,7 @@
-#include "firmware/scan/pan_fit.hpp"
+#include "core/sweep/pan_fit.hpp"
 
+#include "firmware/arena_block.hpp"
+#include "firmware/scan/sensor_head.hpp"
 #include "tests/support/fake_head.hpp"
 
 #include <gtest/gtest.h>
@@ -9,6 +11,9 @@
 
 namespace slamsensor::firmware {
 namespace {
+
+using core::PanFit;
+using core::PanFitProblem;
 
 constexpr double kStep_rad = kPaperStep_rad;
 constexpr double kMilliDegree = std::numbers::pi / 180e3;
@@ -54,8 +59,19 @@ Line make_line(const Polls& how) {
   return line;
 }
 
-tl::expected<PanFit, PanFitProblem> fit(const Line& line, const PanFitConfig& config = {}) {
-  return PanFitter(config, 2000).fit(line.move, kStep_rad, line.polls);
+core::Outcome<PanFit, PanFitProblem> fit(const hal::MotionProfile& move,
+                                         const std::vector<hal::AxisSample>& polls,
+                                         const PanFitConfig& config = {}) {
+  std::vector<core::TimedAngle> angles;
+  for (const hal::AxisSample& poll : polls) {
+    angles.push_back(timed(poll));
+  }
+  ArenaBlock<core::PanFitter> fitter(config, std::size_t{2000});
+  return fitter->fit(path_of(move), kStep_rad, angles);
+}
+
+core::Outcome<PanFit, PanFitProblem> fit(const Line& line, const PanFitConfig& config = {}) {
+  return fit(line.move, line.polls, config);
 }
 
 double rms_mdeg(const Line& line, const PanFit& fit) {
@@ -147,7 +163,7 @@ TEST(PanFit, RefusesWhatTellsTooLittle) {
   line.polls.clear();
   EXPECT_EQ(fit(line).error(), PanFitProblem::TooFewPolls);
   const hal::MotionProfile none(0.0, 0.0, 1.0, {});
-  EXPECT_EQ(PanFitter({}, 10).fit(none, kStep_rad, make_line({}).polls).error(), PanFitProblem::TooFewPolls);
+  EXPECT_EQ(fit(none, make_line({}).polls).error(), PanFitProblem::TooFewPolls);
 }
 
 TEST(PanFit, RefusesAnAxisThatWasHeldUpOnItsWay) {

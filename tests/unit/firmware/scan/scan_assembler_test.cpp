@@ -1,4 +1,7 @@
-#include "firmware/scan/scan_assembler.hpp"
+#include "core/sweep/scan_assembler.hpp"
+
+#include "firmware/arena_block.hpp"
+#include "firmware/scan/sensor_head.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,23 +11,22 @@
 namespace slamsensor::firmware {
 namespace {
 
+using core::AssemblerEvent;
+using core::LineRejection;
+
 using std::chrono::milliseconds;
 
 constexpr double kStep_rad = kPaperStep_rad;
 constexpr double kTilt_rad = -30 * kStep_rad;
 constexpr hal::Stamp kBegun = milliseconds(1000);
 
-ScanConfig small_config() {
-  ScanConfig config;
-  config.readings_per_line_max = 3000;
-  config.polls_per_line_max = 200;
-  return config;
-}
+constexpr core::AssemblerConfig kSmall = {.readings_per_line_max = 3000, .polls_per_line_max = 200};
 
 /// One second at 1000 positions/s to the left, polled without error, a reading each millisecond.
 class ScanAssemblerTest : public ::testing::Test {
  protected:
-  ScanAssembler assembler{small_config(), PanFitConfig{}};
+  ArenaBlock<core::ScanAssembler> block{kSmall, PanFitConfig{}};
+  core::ScanAssembler& assembler = *block.operator->();
   hal::MotionProfile move{-500 * kStep_rad, 500 * kStep_rad, 1000 * kStep_rad, {1000 * kStep_rad, 0.0}};
   std::vector<hal::RangeSample> samples;
   std::vector<hal::AxisSample> polls;
@@ -41,11 +43,19 @@ class ScanAssemblerTest : public ::testing::Test {
     polls.push_back({milliseconds(1500), milliseconds(2), kTilt_rad + kStep_rad, hal::Axis::Tilt});
   }
 
-  std::optional<tl::expected<Scanline, LineRejection>> make(double latency_s = 0.0) {
+  void add_all() {
+    for (const hal::RangeSample& sample : samples) {
+      assembler.add(timed(sample));
+    }
+    for (const hal::AxisSample& poll : polls) {
+      assembler.add(timed(poll));
+    }
+  }
+
+  std::optional<core::Outcome<Scanline, LineRejection>> make(double latency_s = 0.0) {
     assembler.begin_line({7, kTilt_rad, kStep_rad, kStep_rad});
-    assembler.add(samples);
-    assembler.add(polls);
-    assembler.end_line(move, milliseconds(2100));
+    add_all();
+    assembler.end_line(path_of(move), milliseconds(2100));
     EXPECT_FALSE(assembler.step(milliseconds(2199), {latency_s}).has_value());
     return assembler.step(milliseconds(2200), {latency_s});
   }
@@ -148,11 +158,11 @@ TEST_F(ScanAssemblerTest, RejectionsSayWhy) {
 }
 
 TEST_F(ScanAssemblerTest, SamplesOutsideALineAreNotKept) {
-  assembler.add(samples);
+  add_all();
   assembler.begin_line({0, kTilt_rad, kStep_rad, kStep_rad});
   assembler.abandon();
-  assembler.add(samples);
-  assembler.end_line(move, milliseconds(2100));
+  add_all();
+  assembler.end_line(path_of(move), milliseconds(2100));
   EXPECT_FALSE(assembler.step(milliseconds(9000), {}).has_value());
   EXPECT_EQ(assembler.count(AssemblerEvent::ReadingsOverflow), 0U);
 }

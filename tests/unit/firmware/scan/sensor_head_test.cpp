@@ -144,7 +144,7 @@ TEST(SensorHead, ASilentRangefinderGivesNoLines) {
   rig.rangefinder.is_silent = true;
   rig.run(60.0);
   EXPECT_TRUE(rig.taken.lines.empty());
-  EXPECT_GE(rig.head.assembler().count(AssemblerEvent::LinesNoReadings), 2U);
+  EXPECT_GE(rig.head.assembler().count(core::AssemblerEvent::LinesNoReadings), 2U);
   EXPECT_GE(rig.head.scheduler().count(SchedulerEvent::AbortedLinesRejected), 1U);
 }
 
@@ -170,9 +170,9 @@ TEST(SensorHead, WithoutEdgesItScansOnWithTheConfiguredLatency) {
   EXPECT_EQ(rig.taken.ended.size(), 1U);
   EXPECT_EQ(rig.taken.lines.at(0).latency_s, 0.003);
   EXPECT_EQ(rig.head.latency().pairs, 0U);
-  EXPECT_EQ(rig.head.calibration().count(LatencyEvent::PairsNoEdges),
+  EXPECT_EQ(rig.head.calibration().count(core::LatencyEvent::PairsNoEdges),
             2U);  // that of the last line is under way
-  EXPECT_EQ(rig.head.calibration().count(LatencyEvent::PassesRefused), 1U);
+  EXPECT_EQ(rig.head.calibration().count(core::LatencyEvent::PassesRefused), 1U);
 }
 
 TEST(SensorHead, WithoutEdgesALatencyConfiguredTooLooselyGivesNoScan) {

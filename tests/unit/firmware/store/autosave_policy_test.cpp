@@ -1,4 +1,4 @@
-#include "firmware/store/autosave_policy.hpp"
+#include "firmware/store/map_store.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "tests/unit/firmware/store/damage.hpp"
 
-#include "firmware/store/map_layout.hpp"
+#include "firmware/store/map_frame.hpp"
 
 #include <cmath>
 #include <limits>
@@ -167,13 +167,10 @@ std::vector<Damage> damaged_files() {
 
 std::vector<Damage> lying_files() {
   return {
-      {"NewerVersion", [] { return with_prefix(8, 4, 4); },
-       "byte 8: the format is version 4; this program reads 1 to 3: install a newer slamsensor"},
-      {"OrdinaryMapThatClaimsToBeFrozen", [] { return with_prefix(8, 3, 4); },
-       damaged("byte 44: section INFO: its fields do not make up its 132 bytes")},
+      {"NewerVersion", [] { return with_prefix(8, 3, 4); },
+       "byte 8: the format is version 3; this program reads version 2: install a newer slamsensor"},
       {"VersionZero", [] { return with_prefix(8, 0, 4); }, damaged("byte 8: there is no format version 0")},
-      {"OlderVersion", [] { return with_prefix(8, 1, 4); },
-       damaged("byte 12: it claims 3 sections; version 1 has 2")},
+      {"OlderVersion", [] { return with_prefix(8, 1, 4); }, damaged("byte 8: there is no format version 1")},
       {"FourSections", [] { return with_prefix(12, 4, 4); },
        damaged("byte 12: it claims 4 sections; version 2 has 3")},
       {"HugeSize", [] { return with_prefix(16, UINT64_MAX, 8); },

@@ -1,7 +1,7 @@
 #include "firmware/store/map_file.hpp"
 
-#include "firmware/store/map_layout.hpp"
-#include "firmware/store/map_text.hpp"
+#include "firmware/store/map_frame.hpp"
+#include "firmware/store/map_names.hpp"
 #include "tests/support/forest.hpp"
 #include "tests/unit/firmware/store/golden_maps.hpp"
 #include "tests/unit/firmware/store/sample_map.hpp"
@@ -55,52 +55,30 @@ TEST(Crc32, IsThatOfZlib) {
 }
 
 TEST(MapFile, TheSampleIsWrittenAsTheGoldenFile) {
-  EXPECT_EQ(tests::sample_bytes(), tests::from_hex(tests::kGoldenMapVersion2));
+  EXPECT_EQ(tests::sample_bytes(), tests::from_hex(tests::kGoldenMap));
 }
 
-TEST(MapFile, TheGoldenFileOfVersion2IsTheSample) {
-  const auto map = decode_map(tests::from_hex(tests::kGoldenMapVersion2), unlimited_capacities());
-  ASSERT_TRUE(map) << map.error().message;
-  const MapFile sample = tests::sample_map();
-  EXPECT_EQ(map->version, 2U);
-  expect_same_about(map->about, sample.about);
-  expect_same_numbers(map->numbers, sample.numbers);
-  EXPECT_TRUE(same_bytes(map->landmarks, sample.landmarks));
-  EXPECT_TRUE(same_bytes(map->positions_W, sample.positions_W));
-  EXPECT_TRUE(same_bytes(map->path, sample.path));
-}
-
-TEST(MapFile, AMapMarkedFrozenIsOfVersion3AndElseTheSame) {
+TEST(MapFile, AMapMarkedFrozenIsElseTheSame) {
   MapFile sample = tests::sample_map();
   sample.about.frozen = true;
-  EXPECT_EQ(encode_map(sample.about, sample.state()), tests::from_hex(tests::kGoldenMapVersion3));
-  const auto map = decode_map(tests::from_hex(tests::kGoldenMapVersion3), unlimited_capacities());
+  EXPECT_EQ(encode_map(sample.about, sample.state()), tests::from_hex(tests::kGoldenFrozenMap));
+  const auto map = decode_map(tests::from_hex(tests::kGoldenFrozenMap), unlimited_capacities());
   ASSERT_TRUE(map) << map.error().message;
-  EXPECT_EQ(map->version, 3U);
   EXPECT_TRUE(map->about.frozen);
   expect_same_about(map->about, sample.about);
   EXPECT_TRUE(same_bytes(map->landmarks, sample.landmarks));
   EXPECT_TRUE(same_bytes(map->path, sample.path));
 }
 
-TEST(MapFile, AMapOfThePreviousVersionStillLoads) {
-  const auto map = decode_map(tests::from_hex(tests::kGoldenMapVersion1), unlimited_capacities());
+TEST(MapFile, TheGoldenFileIsTheSample) {
+  const auto map = decode_map(tests::from_hex(tests::kGoldenMap), unlimited_capacities());
   ASSERT_TRUE(map) << map.error().message;
-  MapFile expected = tests::sample_map();
-  expected.about.created_utc_s = 0;
-  expected.about.saves = 0;
-  expected.about.datum.reset();
-  expected.about.method = {};
-  expected.numbers.landmarks_evicted = expected.numbers.path_thinnings = 0;
-  for (core::MapLandmark& landmark : expected.landmarks) {
-    landmark.chances = landmark.sightings;
-  }
-  EXPECT_EQ(map->version, 1U);
-  expect_same_about(map->about, expected.about);
-  expect_same_numbers(map->numbers, expected.numbers);
-  EXPECT_TRUE(same_bytes(map->landmarks, expected.landmarks));
-  EXPECT_TRUE(same_bytes(map->positions_W, expected.positions_W));
-  EXPECT_TRUE(map->path.empty());
+  const MapFile sample = tests::sample_map();
+  expect_same_about(map->about, sample.about);
+  expect_same_numbers(map->numbers, sample.numbers);
+  EXPECT_TRUE(same_bytes(map->landmarks, sample.landmarks));
+  EXPECT_TRUE(same_bytes(map->positions_W, sample.positions_W));
+  EXPECT_TRUE(same_bytes(map->path, sample.path));
 }
 
 TEST(MapFile, RandomMapsComeBackBitForBit) {

@@ -13,10 +13,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using tests::StoreBench;
 
-std::string_view as_text(const tests::Bytes& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 TEST(MapStore, WhatWasSavedIsLoaded) {
   StoreBench bench;
   const MapFile map = tests::sample_map();
@@ -153,17 +149,6 @@ TEST(MapStore, AMapThatIsTooLargeForTheConfigurationIsSetAsideNotLost) {
   EXPECT_EQ(bench.loaded_weight(), 0U);
   ASSERT_TRUE(bench.save(2));
   EXPECT_EQ(bench.content("m.slammap.bad-20261123T130509Z"), large);
-}
-
-TEST(MapStore, AMapOfThePreviousVersionIsLoadedAndKeptByTheNextSave) {
-  StoreBench bench;
-  const tests::Bytes old = tests::from_hex(tests::kGoldenMapVersion1);
-  (void)bench.folder.write("m.slammap", as_text(old));
-  EXPECT_EQ(bench.loaded_weight(), 5'000'000'019U);
-  const auto saved = bench.save(7);
-  ASSERT_TRUE(saved);
-  EXPECT_TRUE(saved->warnings.empty());
-  EXPECT_EQ(bench.content("m.slammap.1"), as_text(old));
 }
 
 TEST(MapStore, WhatIsNoMapIsNotSaved) {

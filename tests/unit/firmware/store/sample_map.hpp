@@ -37,7 +37,6 @@ inline core::MapLandmark sample_landmark(std::uint32_t id, std::uint32_t xi,
 inline firmware::MapFile sample_map() {
   constexpr std::array<std::uint32_t, 3> kNone = core::MapLandmark{}.parents;
   firmware::MapFile map;
-  map.version = 2;
   map.about = {"orchard-7",
                1'767'225'600,
                1'795'439'109,

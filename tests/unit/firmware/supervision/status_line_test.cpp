@@ -1,6 +1,5 @@
-#include "firmware/supervision/status_line.hpp"
-
-#include "firmware/supervision/decimal_text.hpp"
+#include "firmware/status/status_text.hpp"
+#include "firmware/supervision/plain_text.hpp"
 #include "tests/unit/firmware/supervision/sample_status.hpp"
 
 #include <gtest/gtest.h>

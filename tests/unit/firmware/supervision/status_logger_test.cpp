@@ -1,5 +1,4 @@
-#include "firmware/supervision/status_logger.hpp"
-
+#include "firmware/status/status_text.hpp"
 #include "tests/unit/firmware/supervision/sample_status.hpp"
 
 #include <gmock/gmock.h>

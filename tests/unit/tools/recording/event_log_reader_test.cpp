@@ -1,4 +1,4 @@
-#include "firmware/recording/event_log_writer.hpp"
+#include "firmware/recording/event_log.hpp"
 #include "tests/unit/tools/input/temp_folder.hpp"
 #include "tools/recording/recording_file.hpp"
 

@@ -1,7 +1,7 @@
 // A recording of a head that leans: what its inclinometer told is on the tape, and levels the scans again.
 
+#include "firmware/config/list_config.hpp"
 #include "firmware/config/load_config.hpp"
-#include "firmware/recording/config_toml.hpp"
 #include "tests/support/source_tree.hpp"
 #include "tests/unit/tools/input/temp_folder.hpp"
 #include "tests/unit/tools/recording/recording_bench.hpp"

@@ -1,5 +1,4 @@
-#include "firmware/recording/event_log_writer.hpp"
-#include "firmware/recording/messages.hpp"
+#include "firmware/recording/event_log.hpp"
 #include "tests/unit/tools/recording/recording_bench.hpp"
 #include "tools/drive/byte_drive.hpp"
 #include "tools/recording/playback.hpp"

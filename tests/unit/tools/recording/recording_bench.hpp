@@ -1,6 +1,6 @@
 #pragma once
 
-#include "firmware/recording/config_toml.hpp"
+#include "firmware/config/list_config.hpp"
 #include "tests/support/source_tree.hpp"
 #include "tests/unit/tools/input/temp_folder.hpp"
 #include "tools/recording/record.hpp"

@@ -48,7 +48,7 @@ struct Outcome {
   PanError before;  // with the latency as configured: 0
   PanError after;   // with the latency that the head has found
   double latency_error_s = 0.0;
-  firmware::Latency latency;
+  core::Latency latency;
 };
 
 struct Setting {
