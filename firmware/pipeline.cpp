@@ -30,8 +30,8 @@ std::optional<core::Fix> Pipeline::take(const HeadEvent& event, hal::Stamp utc_a
   return std::nullopt;
 }
 
-core::MapCheck Pipeline::carry_out(MapCommand command, const core::MapState& state,
-                                   core::Frozen frozen, MapSnapshot& room) noexcept {
+core::MapCheck Pipeline::carry_out(MapCommand command, const core::MapState& state, core::Frozen frozen,
+                                   MapSnapshot& room) noexcept {
   switch (command) {
     case MapCommand::Reset:
       slam_->reset();

@@ -41,8 +41,9 @@ class Pipeline {
     return slam_->process(landmarks, view, time, deadline);
   }
 
-  /// Does to the maps what `command` says; `state` is what a Restore goes on from, with `frozen` as it is marked: Yes
-  /// freezes, No leaves the mode as it is; `room` is written over by DropRivals. The check is that of a Restore: with a flaw nothing was changed.
+  /// Does to the maps what `command` says; `state` is what a Restore goes on from, with `frozen` as it is
+  /// marked: Yes freezes, No leaves the mode as it is; `room` is written over by DropRivals. The check is
+  /// that of a Restore: with a flaw nothing was changed.
   core::MapCheck carry_out(MapCommand command, const core::MapState& state, core::Frozen frozen,
                            MapSnapshot& room) noexcept;
 

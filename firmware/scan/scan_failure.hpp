@@ -1,8 +1,8 @@
 #pragma once
 
-#include "firmware/scan/axis_move.hpp"
+#include "core/sweep/scan_assembler.hpp"
 #include "firmware/scan/scan_abort.hpp"
-#include "firmware/scan/scan_assembler.hpp"
+#include "firmware/scan/scan_scheduler.hpp"
 #include "hal/fixed_text.hpp"
 #include "hal/pantilt/pan_tilt.hpp"
 #include "hal/transport/reopen_problem.hpp"

@@ -1,8 +1,8 @@
 #include "firmware/config/daemon_config.hpp"
 #include "tools/commands/command.hpp"
-#include "tools/output/result_files.hpp"
 #include "tools/map_files/map_verbs.hpp"
 #include "tools/map_files/open_map.hpp"
+#include "tools/output/result_files.hpp"
 
 #include <CLI/CLI.hpp>
 

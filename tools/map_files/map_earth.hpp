@@ -2,7 +2,7 @@
 
 #include "core/geometry/pose2.hpp"
 #include "firmware/config/config.hpp"
-#include "firmware/output/geo_reference.hpp"
+#include "firmware/output/nmea.hpp"
 
 #include <GeographicLib/LocalCartesian.hpp>
 

@@ -1,8 +1,8 @@
 #include "tools/map_files/map_verbs.hpp"
 
 #include "firmware/config/daemon_config.hpp"
+#include "firmware/store/map_names.hpp"
 #include "firmware/store/map_store.hpp"
-#include "firmware/store/map_text.hpp"
 #include "tools/map_files/export_map.hpp"
 #include "tools/map_files/open_map.hpp"
 #include "tools/map_files/survey_map.hpp"

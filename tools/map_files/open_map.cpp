@@ -1,8 +1,8 @@
 #include "tools/map_files/open_map.hpp"
 
-#include "firmware/store/map_layout.hpp"
+#include "firmware/store/map_frame.hpp"
+#include "firmware/store/map_names.hpp"
 #include "firmware/store/map_store.hpp"
-#include "firmware/store/map_text.hpp"
 #include "firmware/store/store_io.hpp"
 
 #include <system_error>

@@ -1,6 +1,6 @@
 #include "tools/view/recorded_story.hpp"
 
-#include "firmware/recording/messages.hpp"
+#include "firmware/recording/event_log.hpp"
 #include "tools/recording/recording_file.hpp"
 
 #include <toml++/toml.h>

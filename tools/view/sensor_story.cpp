@@ -1,8 +1,7 @@
 #include "tools/view/sensor_story.hpp"
 
 #include "core/fix_names.hpp"
-#include "firmware/supervision/status_line.hpp"
-#include "firmware/supervision/status_parts.hpp"
+#include "firmware/status/status_text.hpp"
 
 #include <algorithm>
 #include <cmath>

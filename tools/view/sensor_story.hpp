@@ -2,10 +2,7 @@
 
 #include "core/geometry/pose2.hpp"
 #include "firmware/config/config.hpp"
-#include "firmware/lcm/map_message.hpp"
-#include "firmware/lcm/pose_message.hpp"
-#include "firmware/lcm/scan_message.hpp"
-#include "firmware/lcm/status_message.hpp"
+#include "firmware/lcm/lcm_messages.hpp"
 #include "firmware/store/map_file.hpp"
 
 #include <array>

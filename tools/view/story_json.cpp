@@ -1,9 +1,8 @@
 #include "tools/view/story_json.hpp"
 
 #include "core/fix_names.hpp"
-#include "firmware/output/geo_reference.hpp"
-#include "firmware/supervision/status_line.hpp"
-#include "firmware/supervision/status_parts.hpp"
+#include "firmware/output/nmea.hpp"
+#include "firmware/status/status_text.hpp"
 
 #include <nlohmann/json.hpp>
 
