@@ -100,15 +100,20 @@ void FastSearch::search(std::span<const Point2> scan, const LandmarkIndex& index
   mask_.draw(scan, kLooseGate * config_.tolerance_m);
   witnesses_ = kWitnesses;
   window_m_ = std::min(config_.tolerance_m, kWindowSigmas * std::numbers::sqrt2 * model_.sigma_m);
-  plan_all();
-  bool is_done = try_plans(found);
-  if (!is_done) {  // a poor scan, a place that is not in the map, or a world that repeats itself
+  bool is_done = false;
+  if (!model_.is_thorough) {
+    plan_all();
+    is_done = try_plans(found);
+  }
+  if (!is_done &&
+      !model_.is_thorough) {  // a poor scan, a place that is not in the map, or a world that repeats itself
     witnesses_ = 1;
     window_m_ = config_.tolerance_m;
     is_done = try_plans(found);
   }
   if (!is_done) {
     witnesses_ = 0;
+    window_m_ = config_.tolerance_m;
     static_cast<void>(try_all(found));
   }
   while (found.list.size() > 1 && found.list.back().score < chance_ - kChanceMargin) {
@@ -117,7 +122,8 @@ void FastSearch::search(std::span<const Point2> scan, const LandmarkIndex& index
 }
 
 bool FastSearch::has_lead(const Candidates& found) const noexcept {
-  return !found.list.empty() && found.list[0].score >= std::max(kLead, chance_ + kLeadMargin);
+  return !model_.is_thorough && !found.list.empty() &&
+         found.list[0].score >= std::max(kLead, chance_ + kLeadMargin);
 }
 
 /// Whether the leader leaves much of the scan unexplained, or another place comes near it, and not by chance:
@@ -267,9 +273,12 @@ bool FastSearch::is_over(Candidates& found) noexcept {
     return true;
   }
   const std::uint64_t enough = is_contested(found) ? kTrianglesContested : kTrianglesEnough;
-  if (work_ >= config_.effort_max ||
-      (has_lead(found) && work_ >= kWorkEnough && found.vertices_searched >= enough)) {
+  if (has_lead(found) && work_ >= kWorkEnough && found.vertices_searched >= enough) {
     found.end = SearchEnd::Share;
+    return true;
+  }
+  if (work_ >= config_.effort_max) {
+    found.end = SearchEnd::Deadline;  // cut: what was not looked at may be better
     return true;
   }
   return false;

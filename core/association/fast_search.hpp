@@ -24,6 +24,8 @@ struct MatchModel {
   double sigma_m = 0.17;         ///< spread of a matched landmark about its place in the map, per axis
   double density_per_m2 = 0.01;  ///< of the scan's landmarks
   double detection = 0.7;        ///< share of the map's landmarks that a scan shows
+  bool is_thorough =
+      false;  ///< a leader does not end the search: where the world repeats itself, rivals count as much
 };
 
 /// The fast search: the poses from which a scan explains a part of any map, whatever the size of the maps. It

@@ -149,6 +149,9 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   if (odds > risk) {
     return refuse(verdict, FixStatus::Ambiguous, FixReason::Symmetric);
   }
+  if (asks_for_rivals && end == SearchEnd::Deadline && structure_decades >= kUnlikeStructure) {
+    return refuse(verdict, FixStatus::Ambiguous, FixReason::Deadline);  // a rival may not have been found yet
+  }
   const double rival_decades = std::max(kRivalDecades, kRivalShare * -chance);
   for (const Weighed& other : weighed) {
     if (asks_for_rivals && !is_seen_again && is_rival(other) &&

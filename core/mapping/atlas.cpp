@@ -104,6 +104,8 @@ MatchModel Atlas::scan_model() const noexcept {
   MatchModel model;
   model.sigma_m = rates_.sigma_m(scale_.start_sigma_m());
   model.detection = rates_.mean_detection();
+  model.is_thorough =
+      rates_.structure_decades >= kThoroughStructure || points_B_.size() <= kThoroughLandmarks;
   model.density_per_m2 =
       static_cast<double>(points_B_.size()) / std::max(1.0, std::numbers::pi * scan_.reach_m * scan_.reach_m);
   return model;

@@ -75,28 +75,29 @@ const AxisMove& under_way(const AbortedPass& pass) noexcept {
 }
 
 /// What of it is wrong with the lines of a pass; begins with the device.
-std::string_view device_of(LineRejection why) noexcept {
-  return why == LineRejection::LinesNoReadings ? "rangefinder: " : "pan-tilt unit: ";
+std::string_view device_of(core::LineRejection why) noexcept {
+  return why == core::LineRejection::LinesNoReadings ? "rangefinder: " : "pan-tilt unit: ";
 }
 
-std::string_view seen_in(LineRejection why) noexcept {
+std::string_view seen_in(core::LineRejection why) noexcept {
   switch (why) {
-    case LineRejection::LinesNoReadings:
+    case core::LineRejection::LinesNoReadings:
       return "no reading that can be used, while the axis moved; check its lens, its supply and where it "
              "looks";
-    case LineRejection::LinesTooFewPolls:
+    case core::LineRejection::LinesTooFewPolls:
       return "too few positions of the moving axis: its replies came late or not at all; check its line and "
              "the load of this computer";
-    case LineRejection::LinesTiltMoved:
+    case core::LineRejection::LinesTiltMoved:
       return "a tilt axis that did not rest; check its load, its motor's supply and its brake";
-    case LineRejection::LinesWrongSpeed:
+    case core::LineRejection::LinesWrongSpeed:
       return "a pan axis that did not go at the speed it was told; check its load and its motor's supply";
     default:
       return "a pan axis that did not move as it was told; check what it rubs on, its load and its supply";
   }
 }
 
-void tell_lines(Sentence& sentence, LineRejection why, std::uint32_t rejected, std::uint32_t lines) noexcept {
+void tell_lines(Sentence& sentence, core::LineRejection why, std::uint32_t rejected,
+                std::uint32_t lines) noexcept {
   sentence << device_of(why) << rejected;
   if (lines > 0) {
     sentence << " of " << lines;
@@ -174,14 +175,14 @@ void ScanFailure::on_abort(const AbortedPass& pass) noexcept {
       sentence << "; check what touches the head, and the supply of its motors";
       break;
     default:
-      tell_lines(sentence, rejection_.value_or(LineRejection::LinesOffModel), pass.lines_rejected,
+      tell_lines(sentence, rejection_.value_or(core::LineRejection::LinesOffModel), pass.lines_rejected,
                  pass.lines);
       break;
   }
   text_ = sentence.text();
 }
 
-void ScanFailure::on_line_rejected(LineRejection why) noexcept {
+void ScanFailure::on_line_rejected(core::LineRejection why) noexcept {
   rejection_ = why;
   if (++lines_in_row_ >= kLinesInRow && !reason_) {
     Sentence sentence;

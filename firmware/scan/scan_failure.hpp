@@ -29,7 +29,7 @@ class ScanFailure {
  public:
   /// A pass was given up. What the user or the carrier did is no failure of the head, and changes nothing.
   void on_abort(const AbortedPass& pass) noexcept;
-  void on_line_rejected(LineRejection why) noexcept;
+  void on_line_rejected(core::LineRejection why) noexcept;
   void on_line() noexcept;
   /// A pass was made to its end.
   void on_pass() noexcept;
@@ -45,7 +45,7 @@ class ScanFailure {
   std::optional<ScanAbort> reason_;
   std::uint32_t aborts_in_row_ = 0;
   std::uint32_t lines_in_row_ = 0;
-  std::optional<LineRejection> rejection_;  // of the last line
+  std::optional<core::LineRejection> rejection_;  // of the last line
   hal::FixedText<hal::kProblemMax> text_;
 };
 

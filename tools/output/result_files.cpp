@@ -249,8 +249,7 @@ std::string datum_text(const firmware::Datum& datum) {
 std::string map_info_text(const MapFile& map, std::size_t bytes) {
   std::string text;
   line(text, "map", map.about.name);
-  line(text, "file",
-       "format version " + std::to_string(map.version) + ", " + std::to_string(bytes) + " bytes");
+  line(text, "file", std::to_string(bytes) + " bytes");
   line(text, "saved", when_text(map));
   line(text, "landmarks",
        std::to_string(map.landmarks.size()) + " from " + std::to_string(map.numbers.scans) + " scans, W " +
@@ -258,9 +257,7 @@ std::string map_info_text(const MapFile& map, std::size_t bytes) {
   line(text, "extent", extent_text(map));
   line(text, "error", error_text(map));
   line(text, "path", std::to_string(map.path.size()) + " poses");
-  if (map.version > 1) {
-    line(text, "method", method_text(map.about.method));
-  }
+  line(text, "method", method_text(map.about.method));
   line(text, "mode",
        map.about.frozen ? "marked frozen: a sensor localises in it and does not change it"
                         : "a sensor may change it");
