@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace slamsensor::core {
 namespace {
@@ -63,6 +64,15 @@ bool rivals(const Weighed& other, const Weighed& answer, Stake stake, double str
   return elsewhere(other.candidate.pose_W, answer.candidate.pose_W, config);
 }
 
+/// Whether nothing contradicts the answer in a world that hardly repeats itself, and it explains the
+/// witnesses far better than wrong places of this world ever did.
+bool stands_alone(const Evidence& evidence, Stake stake, double structure_decades) noexcept {
+  const bool is_tie = stake == Stake::Tie;
+  return evidence.group_decades >= (is_tie ? kTieDecades : kUnlikeDecades) &&
+         evidence.contradiction_decades() <= kUnlikeContradiction && structure_decades <= kUnlikeStructure &&
+         decades_of(evidence.ln_bayes) >= structure_decades + (is_tie ? kUnlikeTieMargin : kUnlikeMargin);
+}
+
 Verdict refuse(Verdict verdict, FixStatus status, FixReason reason) noexcept {
   verdict.status = status;
   verdict.reason = reason;
@@ -117,10 +127,10 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   const auto is_rival = [&](const Weighed& other) {
     return &other != &best && rivals(other, best, stake, structure_decades, config);
   };
-  double others = 1.0;  // an unmapped place
-  for (const Weighed& other : weighed) {
-    others += is_rival(other) ? std::exp(std::min(other.evidence.ln_bayes, 600.0)) : 0.0;
-  }
+  const double others = std::accumulate(
+      weighed.begin(), weighed.end(), 1.0 /* an unmapped place */, [&](double sum, const Weighed& other) {
+        return sum + (is_rival(other) ? std::exp(std::min(other.evidence.ln_bayes, 600.0)) : 0.0);
+      });
   const double chance = -decades_of(best.evidence.ln_bayes);
   const double risk = std::log10(risk_of(stake, config));
   const double odds = chance + std::log10(others);
@@ -138,10 +148,7 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   const bool asks_for_copies = stake == Stake::Fix || stake == Stake::Again || stake == Stake::Tie;
   const bool asks_for_rivals =
       asks_for_copies || (stake == Stake::Local && structure_decades >= kUnlikeStructure);
-  const bool is_unlike_others =
-      best.evidence.group_decades >= (stake == Stake::Tie ? kTieDecades : kUnlikeDecades) &&
-      contradictions <= kUnlikeContradiction && structure_decades <= kUnlikeStructure &&
-      -chance >= structure_decades + (stake == Stake::Tie ? kUnlikeTieMargin : kUnlikeMargin);
+  const bool is_unlike_others = stands_alone(best.evidence, stake, structure_decades);
   if ((!asks_for_copies && contradictions > kLocalContradiction) ||
       (stake == Stake::Tie && !is_unlike_others && contradictions > kTieContradiction)) {
     return refuse(verdict, FixStatus::NoFix, FixReason::NoOverlap);

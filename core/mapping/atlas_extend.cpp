@@ -10,6 +10,26 @@
 #include <optional>
 
 namespace slamsensor::core {
+namespace {
+
+/// A landmark in view, `range_m` away, that the scan shows or does not.
+void learn_showing(const Standing& standing, bool is_shown, double range_m, Rates& rates) noexcept {
+  if (standing.sightings < 2 ||
+      (is_shown && standing.sightings == 2)) {  // until now seen once: it may be nothing
+    rates.second_count += 1.0;
+    rates.second += is_shown ? 1.0 : 0.0;
+    return;
+  }
+  const std::size_t bin = Rates::range_bin(range_m);
+  rates.in_view[bin] += 1.0F;
+  rates.shown[bin] += is_shown ? 1.0F : 0.0F;
+  if (rates.in_view[bin] > static_cast<float>(kRatesMemory)) {
+    rates.in_view[bin] *= 0.5F;
+    rates.shown[bin] *= 0.5F;
+  }
+}
+
+}  // namespace
 
 /// Brings the scan into the map that it is believed in.
 void Atlas::extend(const Weighed& w) noexcept {
@@ -199,21 +219,9 @@ void Atlas::look_for_missing(const Weighed& w) noexcept {
              (!is_known && !(rates_.bearings[Rates::bearing_bin(std::atan2(p_L.y(), p_L.x()))] > 0.0F)))) {
           return;
         }
-        const std::size_t bin = Rates::range_bin(range_m);
         Standing& standing = graph_.standing(slot);
-        if (!learns_) {
-          // no news of how scans show landmarks
-        } else if (standing.sightings < 2 ||
-                   (is_matched && standing.sightings == 2)) {  // until now seen once: it may be nothing
-          rates_.second_count += 1.0;
-          rates_.second += is_matched ? 1.0 : 0.0;
-        } else {
-          rates_.in_view[bin] += 1.0F;
-          rates_.shown[bin] += is_matched ? 1.0F : 0.0F;
-          if (rates_.in_view[bin] > static_cast<float>(kRatesMemory)) {
-            rates_.in_view[bin] *= 0.5F;
-            rates_.shown[bin] *= 0.5F;
-          }
+        if (learns_) {
+          learn_showing(standing, is_matched, range_m, rates_);
         }
         if (is_matched) {
           return;

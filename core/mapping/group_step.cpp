@@ -164,11 +164,9 @@ void SightingGraph::add_landmark_to_system(std::uint32_t slot, std::uint32_t off
     const std::uint32_t at = 3U * pose.group;
     const Eigen::Matrix3d own = weight * J.transpose() * J;
     const Eigen::Vector3d slope = weight * J.transpose() * residual;
-    for (std::uint32_t i = 0; i < 3; ++i) {
-      step_[at + i] -= slope(i);
-      for (std::uint32_t j = 0; j < 3; ++j) {
-        system(at + i, at + j) += own(i, j);
-      }
+    for (std::uint32_t k = 0; k < 9; ++k) {
+      system(at + k / 3, at + k % 3) += own(k / 3, k % 3);
+      step_[at + k / 3] -= k % 3 == 0 ? slope(k / 3) : 0.0;
     }
     auto* share = std::find_if(shares.begin(), shares.end(),
                                [&](const Share& other) { return other.group == pose.group; });

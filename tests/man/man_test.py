@@ -58,8 +58,8 @@ class Manual(unittest.TestCase):
 
     def test_every_request_is_documented(self):
         page = rendered("slamsensor-control.7")
-        source = (TREE / "firmware/control/control_commands.cpp").read_text()
-        requests = re.findall(r'ControlCommand\{\s*"([a-z ]+)"', source)
+        source = (TREE / "firmware/daemon/control_verbs.cpp").read_text()
+        requests = re.findall(r'ControlVerb\{\s*"([a-z ]+)"', source)
         self.assertGreater(len(requests), 25)
         for request in requests:
             self.assertRegex(page, rf"\b{request}\b", request)

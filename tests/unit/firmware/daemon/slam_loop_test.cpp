@@ -136,8 +136,8 @@ TEST_F(SlamLoopTest, OrdersComeBeforeScansAndAreAnswered) {
 
 TEST_F(SlamLoopTest, AMapMarkedFrozenIsFrozenBeforeTheNextScan) {
   ASSERT_TRUE(scan_at(0.0));
-  static_cast<void>(outlets.map.refresh());
-  const MapSnapshot kept = outlets.map.value();
+  // What a Restore points to stays until it is answered.
+  const MapSnapshot kept = outlets.map.read([](const MapSnapshot& map) { return map; });
   ASSERT_TRUE(
       orders.give({.kind = MapCommand::Restore, .state = kept.state(), .frozen = core::Frozen::Yes}));
   run();
