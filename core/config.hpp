@@ -51,9 +51,9 @@ struct AssociationConfig {
   std::uint32_t index_neighbours =
       6;  ///< of the fast search: neighbours that a landmark forms triangles with
   std::uint64_t effort_max = 100'000'000;  ///< of the fast search: about nanoseconds after which it gives up
-  double tolerance_m = 0.5;               ///< epsilon: edge lengths and landmark positions agree within it
-  std::uint32_t depth = 2;                ///< edges join landmarks up to this many mesh steps apart
-  double order_share = 0.125;             ///< share of the vertex order that is searched for triangles
+  double tolerance_m = 0.5;                ///< epsilon: edge lengths and landmark positions agree within it
+  std::uint32_t depth = 2;                 ///< edges join landmarks up to this many mesh steps apart
+  double order_share = 0.125;              ///< share of the vertex order that is searched for triangles
   PoseFit fit = PoseFit::Robust;
   CandidateRank rank = CandidateRank::Significance;
   bool exhaust_when_unsure = true;  ///< go on to the end of the order when the share gave no clear answer

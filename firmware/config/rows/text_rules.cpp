@@ -68,7 +68,8 @@ bool is_word(std::string_view text) {
 /// Absolute, without control characters. Bytes beyond ASCII are the file system's affair.
 bool is_path(std::string_view text, std::size_t size_max) {
   return text.starts_with('/') && text.size() <= size_max &&
-         std::none_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7F'; });
+         std::none_of(text.begin(), text.end(),
+                      [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7F'; });
 }
 
 bool is_device_path(std::string_view text) {

@@ -138,8 +138,7 @@ TEST_F(SlamLoopTest, AMapMarkedFrozenIsFrozenBeforeTheNextScan) {
   ASSERT_TRUE(scan_at(0.0));
   // What a Restore points to stays until it is answered.
   const MapSnapshot kept = outlets.map.read([](const MapSnapshot& map) { return map; });
-  ASSERT_TRUE(
-      orders.give({.kind = MapCommand::Restore, .state = kept.state(), .frozen = core::Frozen::Yes}));
+  ASSERT_TRUE(orders.give({.kind = MapCommand::Restore, .state = kept.state(), .frozen = core::Frozen::Yes}));
   run();
   ASSERT_TRUE(orders.answer());
   const std::uint64_t before = revision();
