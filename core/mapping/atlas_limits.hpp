@@ -34,7 +34,7 @@ inline constexpr double kFirstTurn_rad =
     0.25 * kDegree;                           // 1 sigma: the first fix in a home map is what users align by
 inline constexpr double kTieStructure = 7.0;  // a world that repeats itself less than this is tied at once
 inline constexpr double kThoroughStructure =
-    5.0;  // a world that repeats itself more is searched for all rivals
+    7.5;  // a world that repeats itself more is searched for all rivals
 inline constexpr std::size_t kThoroughLandmarks = 15;  // so is a scan of so few, which takes hardly any time
 inline constexpr std::size_t kWeighedMin = 6;  // candidates that are weighed, however far behind the leader
 inline constexpr double kWeighedNats = 15.0;  // others are weighed when they are not farther behind than this
