@@ -493,12 +493,18 @@ Stamp PtuHead::still_from() const {
   return std::max(axes_[0].still_from(), axes_[1].still_from());
 }
 
+/// When the automatic scan turns back: not while the axis is blocked, or it would turn for ever at one
+/// moment.
+Stamp PtuHead::monitor_turn() const {
+  return std::max(still_from(), axis(PtuAxisId::Pan).blocked_until());
+}
+
 Stamp PtuHead::next_event() const {
   if (is_resetting_) {
     return hal::kNever;
   }
   const Stamp hit = std::min(axes_[0].next_stop_hit(seen_), axes_[1].next_stop_hit(seen_));
-  return is_monitoring() ? std::min(hit, still_from()) : hit;
+  return is_monitoring() ? std::min(hit, monitor_turn()) : hit;
 }
 
 std::optional<PtuLimitHit> PtuHead::step(Stamp now) {
@@ -509,7 +515,7 @@ std::optional<PtuLimitHit> PtuHead::step(Stamp now) {
       return PtuLimitHit{now, id};
     }
   }
-  if (is_monitoring() && still_from() <= now) {
+  if (is_monitoring() && monitor_turn() <= now) {
     turn_monitor(now);
   }
   return std::nullopt;

@@ -195,6 +195,7 @@ class PtuAxis {
   [[nodiscard]] double truth_arcsec(Stamp at) const { return motion_.truth(at) * resolution_arcsec_; }
   [[nodiscard]] bool is_moving(Stamp at) const { return motion_.still_from() > at; }
   [[nodiscard]] Stamp still_from() const { return motion_.still_from(); }
+  [[nodiscard]] Stamp blocked_until() const { return blocked_until_; }
 
   /// When it runs into a mechanical stop, if it goes on like this; kNever when it does not.
   [[nodiscard]] Stamp next_stop_hit(Stamp from) const;
@@ -302,6 +303,7 @@ class PtuHead {
   /// Does what is due at `now`; tells of an axis that has run into a stop, which then stands.
   std::optional<PtuLimitHit> step(Stamp now);
 
+  [[nodiscard]] Stamp monitor_turn() const;
   [[nodiscard]] Stamp still_from() const;
   void forget(Stamp before);
 
