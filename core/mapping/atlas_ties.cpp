@@ -235,6 +235,13 @@ bool Atlas::is_layer(const Weighed& answer, const Weighed& other) noexcept {
   for (const std::uint32_t slot : others) {
     shown = std::max(shown, graph_.standing(slot).sightings);
   }
+  // Scans that are not kept any more, as those of a map from a file, may have shown both: then nothing is
+  // known of it.
+  const auto is_all_kept = [&](std::uint32_t slot) { return !(graph_.landmark(slot).prior_weight > 0.0F); };
+  if (!std::all_of(some.begin(), some.end(), is_all_kept) &&
+      !std::all_of(others.begin(), others.end(), is_all_kept)) {
+    return false;
+  }
   return others.size() >= kLayerMatches && 4 * others.size() >= 3 * other.candidate.matches.size() &&
          graph_.scans_of_both(some.span(), others.span()) * kLayerScans <= shown;
 }
