@@ -21,7 +21,7 @@ std::string_view meaning(core::FixReason reason) {
     case core::FixReason::Symmetric:
       return "another place of the map looks the same";
     case core::FixReason::Deadline:
-      return "the search was cut by its deadline";
+      return "the search was cut before its end (realtime.slam_deadline_s, association.effort_max)";
     case core::FixReason::Stale:
       return "the last scan is too old";
     case core::FixReason::Device:
