@@ -1,9 +1,9 @@
 #pragma once
 
 #include "core/geometry/pose2.hpp"
+#include "core/graph/delaunay_triangulation.hpp"
 #include "core/graph/lattice.hpp"
 #include "core/graph/mesh.hpp"
-#include "core/graph/triangulation.hpp"
 #include "core/memory/arena.hpp"
 #include "core/memory/bounded_vector.hpp"
 

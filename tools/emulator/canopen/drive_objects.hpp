@@ -1,7 +1,7 @@
 #pragma once
 
-#include "tools/emulator/canopen/canopen_node.hpp"
 #include "tools/emulator/canopen/drive_axis.hpp"
+#include "tools/emulator/canopen/emulated_node.hpp"
 
 #include <cstdint>
 #include <vector>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "tools/emulator/canopen/canopen_node.hpp"
 #include "tools/emulator/canopen/drive_control.hpp"
 #include "tools/emulator/canopen/drive_objects.hpp"
+#include "tools/emulator/canopen/emulated_node.hpp"
 #include "tools/emulator/emulated_device.hpp"
 
 #include <array>

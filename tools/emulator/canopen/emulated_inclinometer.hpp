@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tools/emulator/canopen/canopen_node.hpp"
+#include "tools/emulator/canopen/emulated_node.hpp"
 #include "tools/emulator/emulated_device.hpp"
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "core/graph/triangulation.hpp"
+#include "core/graph/delaunay_triangulation.hpp"
 
 #include "core/memory/assert.hpp"
 

@@ -1,4 +1,4 @@
-#include "tools/emulator/canopen/canopen_node.hpp"
+#include "tools/emulator/canopen/emulated_node.hpp"
 
 #include <algorithm>
 
