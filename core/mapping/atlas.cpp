@@ -47,7 +47,7 @@ void Atlas::reset() noexcept {
   maps_made_ = 0;
   landmarks_evicted_ = scans_taken_out_ = 0;
   has_linked_ = false;
-  closed_scan_ = group_steps_due_ = scans_since_step_ = 0;
+  closed_scan_ = group_steps_due_ = scans_since_step_ = blind_scans_ = 0;
   was_unseen_ = {};
   ++revision_;
 }
@@ -87,9 +87,11 @@ Fix Atlas::process(std::span<const ScanLandmark> landmarks, const ScanView& view
   fix.landmarks_seen = static_cast<std::uint32_t>(points_B_.size());
   if (points_B_.size() < std::max(3U, config_.association.landmarks_min)) {
     fix.reason = FixReason::TooFewLandmarks;
+    ++blind_scans_;
   } else {
     search(deadline, fix);
     localise(deadline, fix);
+    blind_scans_ = 0;
   }
   fix.jumps = jumps_;
   if (home_ != kNoMap) {
@@ -278,13 +280,16 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
   choose_home();
 }
 
-/// What a fix in `map` stakes: less when this scan shows again much of what the scan before showed there.
+/// What a fix in `map` stakes: less when this scan shows again much of what the scans before showed there. A
+/// scan of too few landmarks between them says nothing. One that was not believed breaks the chain, unless
+/// the world hardly repeats itself.
 Stake Atlas::stake_of(MapSlot map) const noexcept {
   if (is_surveyed_) {
     return Stake::Survey;
   }
   const std::size_t best = best_in(weighed_.span(), map);
-  if (best == SIZE_MAX || scan_.number == 0 || maps_[map].last_scan + 1 != scan_.number) {
+  const std::uint32_t back = blind_scans_ + (rates_.structure_decades < kTieStructure ? 2U : 1U);
+  if (best == SIZE_MAX || maps_[map].scans == 0 || maps_[map].last_scan + back < scan_.number) {
     return Stake::Fix;
   }
   const auto again = std::count_if(

@@ -172,6 +172,7 @@ class Atlas {
   Scan scan_;
   std::array<bool, kScanLandmarksMax>
       was_unseen_{};               // per landmark of the scan: what it matches was not seen for long
+  std::uint32_t blind_scans_ = 0;  // in a row, of too few landmarks, before this one
   std::uint32_t closed_scan_ = 0;  // that closed a loop last
   std::uint32_t group_steps_due_ = 0;
   std::uint32_t scans_since_step_ = 0;

@@ -42,6 +42,27 @@ TEST(Atlas, PoorScansNeverGiveAWrongFix) {
   EXPECT_GE(fixes, scans / 5);
 }
 
+TEST(Atlas, APoorScanDoesNotBreakTheChain) {
+  int fixes = 0;
+  int scans = 0;
+  for (std::uint64_t seed = 30; seed < 36; ++seed) {
+    Draw draw(seed);
+    const Forest forest = tests::make_forest(600, draw);
+    AtlasRig rig;
+    for (int i = 0; i < 60; ++i) {
+      const Pose2 truth{1.5 * i - 45.0, 0.0, 0.3 * i};
+      if (i % 4 == 3) {
+        (void)rig.process({{3, 1}, {-4, 8}}, truth);  // walkers about the sensor hide the trees
+      } else {
+        (void)rig.look(forest, truth, draw, {16, 0.1, 1, 0.1});
+        ++scans;
+      }
+    }
+    fixes += rig.fixes;
+  }
+  EXPECT_GE(fixes, 3 * scans / 4);  // 76 of 270 where such a scan broke the chain
+}
+
 TEST(Atlas, APoorFirstScanBindsNothing) {
   Draw draw(2);
   const Forest forest = tests::make_forest(250, draw);
