@@ -5,6 +5,9 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include "hal/rangefinder/lwnx_packet.hpp"
+#include "hal/rangefinder/range_driver.hpp"
+#include <optional>
 
 namespace slamsensor::hal {
 
@@ -75,5 +78,25 @@ struct LwnxRate {
 };
 /// The rate nearest to `wanted_hz` that the product can be set to; code 0 when it cannot be set.
 [[nodiscard]] LwnxRate nearest_rate(const LwnxProduct& product, double wanted_hz) noexcept;
+
+/// How the fields of commands 44 and 45 are to be read.
+struct LwnxLayout {
+  std::uint8_t width = 2;  ///< bytes of a field: 2 or 4, signed
+  double unit_m = 0.01;
+  std::uint8_t fields = 2;
+  std::uint8_t strength_field = 1;
+};
+
+/// A reading from the data of command 44 or 45; nothing when its size is not that of the layout.
+[[nodiscard]] std::optional<Measurement> read_lwnx_reading(std::span<const std::uint8_t> data,
+                                                           const LwnxLayout& layout) noexcept;
+
+/// Readings from the data of command 40 (centimetres) into `into`; how many: 0 when the count does not agree
+/// with the size.
+[[nodiscard]] std::size_t read_lwnx_raw(std::span<const std::uint8_t> data,
+                                        std::span<Measurement> into) noexcept;
+
+/// `value` in `width` bytes, little-endian.
+void put_lwnx_value(std::uint32_t value, std::span<std::uint8_t> into) noexcept;
 
 }  // namespace slamsensor::hal

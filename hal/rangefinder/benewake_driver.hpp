@@ -4,9 +4,7 @@
 #include "hal/rangefinder/benewake_products.hpp"
 #include "hal/rangefinder/range_driver.hpp"
 #include "hal/transport/can_link.hpp"
-
 #include <tl/expected.hpp>
-
 #include <cstdint>
 #include <memory>
 
