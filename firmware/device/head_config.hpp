@@ -5,7 +5,7 @@
 #include "hal/inclination/iio_accelerometer.hpp"
 #include "hal/pantilt/canopen/canopen_config.hpp"
 #include "hal/pantilt/ptu_config.hpp"
-#include "hal/rangefinder/benewake_config.hpp"
+#include "hal/rangefinder/benewake_driver.hpp"
 #include "hal/rangefinder/lwnx_driver.hpp"
 #include "hal/rangefinder/point_laser.hpp"
 #include "hal/transport/can_socket_config.hpp"

@@ -1,6 +1,6 @@
 #include "firmware/scan/scan_plan.hpp"
 
-#include "hal/pantilt/motion_profile.hpp"
+#include "hal/pantilt/pan_tilt.hpp"
 
 #include <algorithm>
 #include <array>

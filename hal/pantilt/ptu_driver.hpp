@@ -4,7 +4,6 @@
 #include "hal/pantilt/pan_tilt.hpp"
 #include "hal/pantilt/ptu_axis.hpp"
 #include "hal/pantilt/ptu_config.hpp"
-#include "hal/pantilt/ptu_counters.hpp"
 #include "hal/pantilt/ptu_exchange.hpp"
 #include "hal/pantilt/ptu_startup.hpp"
 #include "hal/transport/byte_link.hpp"

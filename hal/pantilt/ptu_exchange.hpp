@@ -3,7 +3,6 @@
 #include "hal/fixed_text.hpp"
 #include "hal/pantilt/ptu_command.hpp"
 #include "hal/pantilt/ptu_config.hpp"
-#include "hal/pantilt/ptu_counters.hpp"
 #include "hal/pantilt/ptu_reply.hpp"
 #include "hal/transport/byte_link.hpp"
 

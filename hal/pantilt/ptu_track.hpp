@@ -1,6 +1,6 @@
 #pragma once
 
-#include "hal/pantilt/motion_profile.hpp"
+#include "hal/pantilt/pan_tilt.hpp"
 #include "hal/stamp.hpp"
 
 #include <cstdint>

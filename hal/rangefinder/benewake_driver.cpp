@@ -1,13 +1,14 @@
-#include "hal/rangefinder/benewake_config.hpp"
-#include "hal/rangefinder/benewake_products.hpp"
+#include "hal/rangefinder/benewake_driver.hpp"
+
+#include "hal/rangefinder/benewake_frame.hpp"
 #include "hal/rangefinder/dialogue.hpp"
+
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include "hal/rangefinder/benewake_frame.hpp"
-#include <algorithm>
-#include <cmath>
 #include <string>
 
 namespace slamsensor::hal {

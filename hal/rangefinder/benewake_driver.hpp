@@ -1,10 +1,12 @@
 #pragma once
 
 #include "hal/init_error.hpp"
-#include "hal/rangefinder/benewake_products.hpp"
+#include "hal/rangefinder/benewake_frame.hpp"
 #include "hal/rangefinder/range_driver.hpp"
 #include "hal/transport/can_link.hpp"
+
 #include <tl/expected.hpp>
+
 #include <cstdint>
 #include <memory>
 

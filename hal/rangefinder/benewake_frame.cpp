@@ -1,7 +1,7 @@
-#include "hal/rangefinder/benewake_products.hpp"
-#include <array>
 #include "hal/rangefinder/benewake_frame.hpp"
+
 #include <algorithm>
+#include <array>
 
 namespace slamsensor::hal {
 namespace {

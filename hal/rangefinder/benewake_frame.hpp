@@ -1,13 +1,14 @@
 #pragma once
 
 #include "hal/rangefinder/range_driver.hpp"
-#include <cstdint>
-#include <span>
-#include <string_view>
-#include "hal/rangefinder/range_counters.hpp"
+#include "hal/rangefinder/rangefinder.hpp"
+
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <span>
+#include <string_view>
 
 namespace slamsensor::hal {
 

@@ -1,12 +1,13 @@
 #pragma once
 
-#include "hal/transport/byte_link.hpp"
-#include <cstdint>
-#include <span>
 #include "hal/device.hpp"
-#include "hal/rangefinder/range_counters.hpp"
+#include "hal/rangefinder/rangefinder.hpp"
+#include "hal/transport/byte_link.hpp"
+
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace slamsensor::hal {

@@ -1,15 +1,16 @@
-#include "hal/rangefinder/dialogue.hpp"
 #include "hal/rangefinder/lwnx_driver.hpp"
+
+#include "hal/rangefinder/dialogue.hpp"
 #include "hal/rangefinder/lwnx_packet.hpp"
 #include "hal/rangefinder/lwnx_products.hpp"
-#include "hal/rangefinder/lwnx_reading.hpp"
+
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
-#include <algorithm>
-#include <cmath>
 #include <string>
+#include <string_view>
 
 namespace slamsensor::hal {
 

@@ -1,7 +1,5 @@
 #include "hal/rangefinder/lwnx_packet.hpp"
 
-#include "hal/rangefinder/crc16.hpp"
-
 #include <algorithm>
 
 namespace slamsensor::hal {

@@ -1,11 +1,12 @@
 #pragma once
 
+#include "hal/rangefinder/rangefinder.hpp"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
-#include "hal/rangefinder/range_counters.hpp"
 #include <optional>
+#include <span>
 
 namespace slamsensor::hal {
 

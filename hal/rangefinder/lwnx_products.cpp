@@ -1,8 +1,8 @@
 #include "hal/rangefinder/lwnx_products.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include "hal/rangefinder/lwnx_reading.hpp"
 
 namespace slamsensor::hal {
 namespace {

@@ -1,13 +1,14 @@
 #pragma once
 
+#include "hal/rangefinder/lwnx_packet.hpp"
+#include "hal/rangefinder/range_driver.hpp"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
-#include "hal/rangefinder/lwnx_packet.hpp"
-#include "hal/rangefinder/range_driver.hpp"
-#include <optional>
 
 namespace slamsensor::hal {
 

@@ -1,8 +1,10 @@
 #include "hal/rangefinder/point_laser.hpp"
+
 #include "hal/rangefinder/point_record.hpp"
+
 #include <algorithm>
-#include <cmath>
 #include <array>
+#include <cmath>
 
 namespace slamsensor::hal {
 namespace {

@@ -1,4 +1,5 @@
 #include "hal/rangefinder/point_record.hpp"
+
 #include <algorithm>
 #include <cstdlib>
 

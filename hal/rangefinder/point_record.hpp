@@ -1,8 +1,8 @@
 #pragma once
 
 #include "hal/rangefinder/point_laser.hpp"
-#include "hal/rangefinder/range_counters.hpp"
 #include "hal/rangefinder/range_driver.hpp"
+#include "hal/rangefinder/rangefinder.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,6 +1,6 @@
-#include "hal/rangefinder/serial_device_line.hpp"
-#include <algorithm>
 #include "hal/rangefinder/range_driver.hpp"
+
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string>

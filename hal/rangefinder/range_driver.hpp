@@ -1,21 +1,20 @@
 #pragma once
 
-#include "hal/rangefinder/device_line.hpp"
-#include "hal/timing/arrival_log.hpp"
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <optional>
-#include <span>
 #include "hal/fixed_text.hpp"
 #include "hal/init_error.hpp"
 #include "hal/rangefinder/dialogue.hpp"
-#include "hal/rangefinder/range_counters.hpp"
 #include "hal/rangefinder/rangefinder.hpp"
 #include "hal/ring.hpp"
+#include "hal/timing/arrival_log.hpp"
 #include "hal/timing/sample_clock.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string_view>
 
 namespace slamsensor::hal {

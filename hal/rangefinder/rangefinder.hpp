@@ -1,13 +1,14 @@
 #pragma once
 
 #include "hal/counters.hpp"
-#include <array>
-#include <cstdint>
-#include <string_view>
 #include "hal/device.hpp"
 #include "hal/fixed_text.hpp"
+
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
+#include <string_view>
 
 namespace slamsensor::hal {
 

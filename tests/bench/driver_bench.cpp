@@ -3,7 +3,7 @@
 // driver's share of a processor, and how well the emulator kept its own times.
 #include "hal/clock.hpp"
 #include "hal/pantilt/ptu_driver.hpp"
-#include "hal/rangefinder/benewake_config.hpp"
+#include "hal/rangefinder/benewake_driver.hpp"
 #include "hal/rangefinder/lwnx_driver.hpp"
 #include "hal/rangefinder/point_laser.hpp"
 #include "hal/transport/serial_port.hpp"

@@ -1,5 +1,4 @@
 #include "hal/rangefinder/benewake_frame.hpp"
-#include "hal/rangefinder/benewake_products.hpp"
 #include "hal/rangefinder/range_driver.hpp"
 
 #include <algorithm>

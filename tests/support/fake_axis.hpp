@@ -1,6 +1,5 @@
 #pragma once
 
-#include "hal/pantilt/motion_profile.hpp"
 #include "hal/pantilt/pan_tilt.hpp"
 
 #include <cmath>

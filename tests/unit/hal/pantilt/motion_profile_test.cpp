@@ -1,4 +1,4 @@
-#include "hal/pantilt/motion_profile.hpp"
+#include "hal/pantilt/pan_tilt.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "hal/pantilt/motion_profile.hpp"
+#include "hal/pantilt/pan_tilt.hpp"
 #include "tests/support/scripted_link.hpp"
 
 #include <deque>

@@ -1,4 +1,4 @@
-#include "hal/rangefinder/benewake_config.hpp"
+#include "hal/rangefinder/benewake_driver.hpp"
 #include "tests/unit/hal/rangefinder/tf03_device.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-#include "hal/rangefinder/benewake_config.hpp"
+#include "hal/rangefinder/benewake_driver.hpp"
+
 #include "tests/support/no_alloc_scope.hpp"
 #include "tests/unit/hal/rangefinder/hex.hpp"
 #include "tests/unit/hal/rangefinder/range_bench.hpp"

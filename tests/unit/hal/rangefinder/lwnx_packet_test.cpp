@@ -1,8 +1,6 @@
 #include "hal/rangefinder/lwnx_packet.hpp"
 
-#include "hal/rangefinder/crc16.hpp"
 #include "hal/rangefinder/lwnx_products.hpp"
-#include "hal/rangefinder/lwnx_reading.hpp"
 #include "tests/unit/hal/rangefinder/hex.hpp"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // Every product of the tables, as it leaves the factory, with the driver that a user gets who sets nothing
 // but what the product is: it gets Ready and its distances are true.
-#include "hal/rangefinder/benewake_config.hpp"
+#include "hal/rangefinder/benewake_driver.hpp"
 #include "hal/rangefinder/lwnx_driver.hpp"
 #include "hal/rangefinder/point_laser.hpp"
 #include "tools/emulator/emulated_port.hpp"
