@@ -1,6 +1,6 @@
 #include "firmware/device/inclinometers.hpp"
 
-#include "hal/pantilt/canopen/canopen_objects.hpp"
+#include "hal/pantilt/canopen/cia402.hpp"
 #include "hal/transport/can_socket.hpp"
 
 #include <utility>

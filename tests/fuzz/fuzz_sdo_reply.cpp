@@ -1,4 +1,4 @@
-#include "hal/pantilt/canopen/sdo_frame.hpp"
+#include "hal/pantilt/canopen/sdo_client.hpp"
 
 #include <algorithm>
 #include <cstddef>

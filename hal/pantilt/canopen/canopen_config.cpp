@@ -1,6 +1,6 @@
 #include "hal/pantilt/canopen/canopen_config.hpp"
 
-#include "hal/pantilt/canopen/canopen_objects.hpp"
+#include "hal/pantilt/canopen/cia402.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "hal/pantilt/canopen/canopen_problem.hpp"
+#include "hal/pantilt/canopen/canopen_script.hpp"
 #include "hal/pantilt/canopen/sdo_client.hpp"
 #include "tests/support/scripted_can_link.hpp"
 

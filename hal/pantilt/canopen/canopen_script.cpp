@@ -1,4 +1,4 @@
-#include "hal/pantilt/canopen/canopen_problem.hpp"
+#include "hal/pantilt/canopen/canopen_script.hpp"
 
 #include "hal/fixed_text.hpp"
 
