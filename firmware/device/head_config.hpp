@@ -8,8 +8,8 @@
 #include "hal/rangefinder/benewake_driver.hpp"
 #include "hal/rangefinder/lwnx_driver.hpp"
 #include "hal/rangefinder/point_laser.hpp"
-#include "hal/transport/can_socket_config.hpp"
-#include "hal/transport/serial_port_config.hpp"
+#include "hal/transport/can_socket.hpp"
+#include "hal/transport/serial_line.hpp"
 
 #include <cstdint>
 #include <string>

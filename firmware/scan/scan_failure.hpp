@@ -5,7 +5,7 @@
 #include "firmware/scan/scan_scheduler.hpp"
 #include "hal/fixed_text.hpp"
 #include "hal/pantilt/pan_tilt.hpp"
-#include "hal/transport/reopen_problem.hpp"
+#include "hal/transport/reopen.hpp"
 
 #include <cstdint>
 #include <optional>

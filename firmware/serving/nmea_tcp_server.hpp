@@ -7,7 +7,6 @@
 #include "hal/init_error.hpp"
 #include "hal/stamp.hpp"
 #include "hal/transport/reopen.hpp"
-#include "hal/transport/reopen_problem.hpp"
 
 #include <tl/expected.hpp>
 

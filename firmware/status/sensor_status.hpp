@@ -6,7 +6,7 @@
 #include "hal/device.hpp"
 #include "hal/fixed_text.hpp"
 #include "hal/stamp.hpp"
-#include "hal/transport/reopen_problem.hpp"
+#include "hal/transport/reopen.hpp"
 
 #include <array>
 #include <cstddef>

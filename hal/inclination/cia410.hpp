@@ -3,7 +3,7 @@
 #include "hal/inclination/inclinometer.hpp"
 #include "hal/init_error.hpp"
 #include "hal/pantilt/canopen/sdo_client.hpp"
-#include "hal/transport/reopen_problem.hpp"
+#include "hal/transport/reopen.hpp"
 
 #include <tl/expected.hpp>
 

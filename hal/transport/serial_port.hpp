@@ -1,11 +1,11 @@
 #pragma once
 
 #include "hal/counters.hpp"
+#include "hal/fixed_text.hpp"
 #include "hal/init_error.hpp"
 #include "hal/transport/byte_link.hpp"
 #include "hal/transport/reopen.hpp"
-#include "hal/transport/reopen_problem.hpp"
-#include "hal/transport/serial_port_config.hpp"
+#include "hal/transport/serial_line.hpp"
 
 #include <tl/expected.hpp>
 
@@ -18,6 +18,12 @@
 #include <string_view>
 
 namespace slamsensor::hal {
+
+using DeviceGroup = FixedText<32>;
+
+/// The name by which /proc/devices knows the character device at `path` ("ttyUSB"), as systemd's
+/// DeviceAllow=char- takes it; empty when there is none. Takes no memory.
+[[nodiscard]] DeviceGroup device_group(const char* path) noexcept;
 
 enum class SerialEvent : std::uint8_t {
   Opened,

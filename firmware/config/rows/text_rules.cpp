@@ -2,7 +2,7 @@
 
 #include "firmware/lcm/lcm_sink.hpp"
 #include "hal/rangefinder/point_record.hpp"
-#include "hal/transport/reopen_problem.hpp"
+#include "hal/transport/reopen.hpp"
 
 #include <algorithm>
 #include <arpa/inet.h>

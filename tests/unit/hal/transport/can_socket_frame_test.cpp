@@ -1,4 +1,4 @@
-#include "hal/transport/can_socket_frame.hpp"
+#include "hal/transport/can_socket.hpp"
 
 #include <gtest/gtest.h>
 

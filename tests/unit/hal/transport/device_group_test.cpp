@@ -1,6 +1,5 @@
-#include "hal/transport/device_group.hpp"
-
-#include "hal/transport/reopen_problem.hpp"
+#include "hal/transport/reopen.hpp"
+#include "hal/transport/serial_port.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,10 @@
 #pragma once
 
+#include "hal/transport/reopen.hpp"
+
 #include <cstdint>
+#include <optional>
+#include <string>
 
 namespace slamsensor::hal {
 
@@ -75,5 +79,20 @@ enum class Exclusive : std::uint8_t { Off, On };
 /// Throw away what has arrived, and what is waiting to be sent.
 void flush_input(int fd) noexcept;
 void flush_output(int fd) noexcept;
+
+struct SerialConfig {
+  std::string path;   ///< a stable one: a link of /dev/serial/by-id, by-path or an own udev rule
+  SerialLine line{};  ///< 50 to 12,000,000 bit/s
+  std::optional<Rs485Config> rs485{};
+  SerialLatency latency = SerialLatency::Low;
+  ReopenConfig reopen{};
+};
+
+[[nodiscard]] constexpr bool is_line_rate(std::uint32_t baud) noexcept {
+  return baud >= 50 && baud <= 12'000'000;
+}
+
+/// What is wrong with `config`, in words that follow the port's name; empty when nothing is.
+[[nodiscard]] std::string complaint(const SerialConfig& config);
 
 }  // namespace slamsensor::hal

@@ -1,4 +1,4 @@
-#include "hal/transport/reopen_problem.hpp"
+#include "hal/transport/reopen.hpp"
 
 #include <algorithm>
 #include <array>
