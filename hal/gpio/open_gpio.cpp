@@ -1,7 +1,7 @@
 #include "hal/gpio/open_gpio.hpp"
 
 #include "hal/counters.hpp"
-#include "hal/gpio/debouncer.hpp"
+#include "hal/gpio/gpio.hpp"
 #include "hal/gpio/gpio_line.hpp"
 #include "hal/ring.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "hal/gpio/gpio.hpp"
-#include "hal/gpio/gpio_line_error.hpp"
+#include "hal/gpio/gpio_line.hpp"
 #include "hal/init_error.hpp"
 #include "hal/stamp.hpp"
 

@@ -4,6 +4,7 @@
 #include "hal/fixed_text.hpp"
 #include "hal/stamp.hpp"
 
+#include <cmath>
 #include <optional>
 
 namespace slamsensor::hal {
@@ -18,7 +19,9 @@ struct Inclination {
 };
 
 /// The inclination at which the unit vector (x, y, z) of the inclinometer points up.
-[[nodiscard]] Inclination inclination_of_up(Stamp stamp, double x, double y, double z) noexcept;
+[[nodiscard]] inline Inclination inclination_of_up(Stamp stamp, double x, double y, double z) noexcept {
+  return {stamp, std::atan2(y, z), std::atan2(-x, std::hypot(y, z))};
+}
 
 /// A device that tells how it leans while it rests.
 class Inclinometer : public Device {

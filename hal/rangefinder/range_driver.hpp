@@ -5,7 +5,6 @@
 #include "hal/rangefinder/dialogue.hpp"
 #include "hal/rangefinder/rangefinder.hpp"
 #include "hal/ring.hpp"
-#include "hal/timing/arrival_log.hpp"
 #include "hal/timing/sample_clock.hpp"
 
 #include <array>

@@ -5,6 +5,152 @@
 #include <utility>
 
 namespace slamsensor::hal {
+
+void ArrivalLog::note(std::size_t count, Stamp stamp) noexcept {
+  position_ += count;
+  newest_ = (newest_ + 1) % kReads;
+  reads_[newest_] = {position_, stamp};
+  count_ = count_ < kReads ? count_ + 1 : kReads;
+}
+
+Stamp ArrivalLog::latest_begin(std::uint64_t begin, std::uint64_t end, std::uint32_t baud) const noexcept {
+  Read holder = reads_[newest_];
+  for (std::size_t back = 1; back < count_; ++back) {
+    const Read& earlier = reads_[(newest_ + kReads - back) % kReads];
+    if (earlier.end < end) {
+      break;
+    }
+    holder = earlier;
+  }
+  return holder.stamp - line_time(static_cast<std::size_t>(holder.end - begin), baud);
+}
+
+namespace {
+
+/// Whether `b` lies on or above the straight line from `a` to `c`.
+bool is_above(const LowerLine::Point& a, const LowerLine::Point& b, const LowerLine::Point& c) noexcept {
+  return (b.y - a.y) * (c.x - a.x) >= (c.y - a.y) * (b.x - a.x);
+}
+
+}  // namespace
+
+void LowerLine::add(const Point& point) noexcept {
+  if (count_ == kPointsMax) {
+    std::copy(points_.begin() + 1, points_.end(), points_.begin());
+    --count_;
+  }
+  points_[count_++] = point;
+}
+
+void LowerLine::shift(double dx, double dy) noexcept {
+  for (std::size_t i = 0; i < count_; ++i) {
+    points_[i].x += dx;
+    points_[i].y += dy;
+  }
+}
+
+double LowerLine::hull_slope(double fallback) const noexcept {
+  std::array<Point, kPointsMax> hull{};
+  std::size_t corners = 0;
+  double mean_x = 0.0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    while (corners >= 2 && is_above(hull[corners - 2], hull[corners - 1], points_[i])) {
+      --corners;
+    }
+    hull[corners++] = points_[i];
+    mean_x += points_[i].x / static_cast<double>(count_);
+  }
+  // The edge over the mean is the line whose heights sum up to the least.
+  for (std::size_t i = 1; i < corners; ++i) {
+    if (hull[i].x >= mean_x) {
+      return (hull[i].y - hull[i - 1].y) / (hull[i].x - hull[i - 1].x);
+    }
+  }
+  return fallback;
+}
+
+LowerLine::Line LowerLine::fit(const Slopes& slopes) const noexcept {
+  Line line;
+  line.slope = std::clamp(hull_slope(slopes.otherwise), slopes.least, slopes.greatest);
+  line.offset = points_[0].y - line.slope * points_[0].x;
+  for (std::size_t i = 1; i < count_; ++i) {
+    line.offset = std::min(line.offset, points_[i].y - line.slope * points_[i].x);
+  }
+  return line;
+}
+
+namespace {
+
+constexpr double kIntervalNs = 250e6;
+constexpr double kIntervalPeriods = 50.0;  // a reading more or less must not look like another rate
+constexpr double kCorrectionMax = 0.002;   // steadily; less is what lumps and single gaps do
+constexpr double kBeyondTolerance = 0.005;
+constexpr double kSuspectPeriods = 2.5;  // in one interval: two intervals may lose some by chance
+constexpr double kSettledLeast = 0.5;
+
+/// Mean of `values` without the `extremes` greatest and least.
+template <std::size_t kCount>
+double trimmed_mean(std::array<double, kCount> values, std::size_t extremes) noexcept {
+  std::sort(values.begin(), values.end());
+  double sum = 0.0;
+  for (std::size_t i = extremes; i < kCount - extremes; ++i) {
+    sum += values[i];
+  }
+  return sum / static_cast<double>(kCount - 2 * extremes);
+}
+
+}  // namespace
+
+void RateCheck::begin(double tolerance, double period_ns) noexcept {
+  const bool was_in_doubt = in_doubt_;
+  *this = {};
+  in_doubt_ = was_in_doubt;
+  tolerance_ = tolerance;
+  period_ns_ = period_ns;
+  interval_ns_ = std::max(kIntervalNs, kIntervalPeriods * period_ns);
+}
+
+RateVerdict RateCheck::add(double elapsed_ns, double correction_ns, double slope_off,
+                           bool is_settled) noexcept {
+  open_.elapsed_ns += elapsed_ns;
+  open_.correction_ns += correction_ns;
+  open_.slope_off_ns += slope_off * elapsed_ns;
+  open_.unsettled_ns += is_settled ? 0.0 : elapsed_ns;
+  if (open_.elapsed_ns < interval_ns_) {
+    return RateVerdict::Unchanged;
+  }
+  const std::size_t place = closed_++ % kIntervals;
+  corrections_[place] = open_.correction_ns / open_.elapsed_ns;
+  periods_off_[place] = (open_.correction_ns + open_.slope_off_ns) / open_.elapsed_ns;
+  const double beyond = std::max(kBeyondTolerance, kSuspectPeriods * period_ns_ / open_.elapsed_ns);
+  const double off = std::abs(periods_off_[place]) > tolerance_ + beyond ? periods_off_[place] : 0.0;
+  is_suspect_ = off * last_off_ > 0.0;
+  last_off_ = off;
+  unsettled_[place] = open_.unsettled_ns > (1.0 - kSettledLeast) * open_.elapsed_ns;
+  open_ = {};
+  return judge();
+}
+
+RateVerdict RateCheck::judge() noexcept {
+  if (closed_ < kIntervals) {
+    return in_doubt_ ? RateVerdict::InDoubt : RateVerdict::Unchanged;
+  }
+  const auto unsettled = std::count(unsettled_.begin(), unsettled_.end(), true);
+  period_off_ = trimmed_mean(periods_off_, kExtremes);
+  const bool was_in_doubt = in_doubt_;
+  in_doubt_ = unsettled > static_cast<std::ptrdiff_t>(kIntervals / 2) ||
+              std::abs(period_off_) > tolerance_ + kBeyondTolerance;
+  if (in_doubt_) {
+    return RateVerdict::InDoubt;
+  }
+  if (!was_in_doubt && std::abs(trimmed_mean(corrections_, kExtremes)) <= kCorrectionMax) {
+    return RateVerdict::Unchanged;
+  }
+  std::transform(periods_off_.begin(), periods_off_.end(), corrections_.begin(),
+                 [this](double off) { return off - period_off_; });  // as the new period would have needed
+  return RateVerdict::Corrected;
+}
+
 namespace {
 
 constexpr std::size_t kWindowCalls = 4;

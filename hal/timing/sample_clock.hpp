@@ -1,15 +1,144 @@
 #pragma once
 
 #include "hal/stamp.hpp"
-#include "hal/timing/lower_line.hpp"
-#include "hal/timing/rate_check.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 
 namespace slamsensor::hal {
+
+/// When the bytes of a serial line arrived, told by their place in the stream, which counts from 0.
+class ArrivalLog {
+ public:
+  /// `count` more bytes were read at `stamp`, which does not decrease.
+  void note(std::size_t count, Stamp stamp) noexcept;
+
+  /// Place of the byte that comes next.
+  [[nodiscard]] std::uint64_t position() const noexcept { return position_; }
+
+  /// The latest moment at which the record of the bytes [begin, end) can have begun on a line of `baud`
+  /// bit/s: the line also had to carry the record and all that the same read brought after it. Never earlier
+  /// than the truth; later when the record was read too long ago for the log to know when. begin < end <=
+  /// position().
+  [[nodiscard]] Stamp latest_begin(std::uint64_t begin, std::uint64_t end, std::uint32_t baud) const noexcept;
+
+ private:
+  struct Read {
+    std::uint64_t end = 0;  ///< place after the last byte of the read
+    Stamp stamp{};
+  };
+  static constexpr std::size_t kReads = 64;
+
+  std::array<Read, kReads> reads_{};
+  std::size_t newest_ = 0;
+  std::size_t count_ = 0;
+  std::uint64_t position_ = 0;
+};
+
+/// The line under a cloud of points (x grows): none lies below it, and the sum of their heights above it is
+/// the least possible, among lines whose slope stays within bounds. Points that are late by chance leave it
+/// where it is. (Moon, Skelly and Towsley: "Estimation and removal of clock skew from network delay
+/// measurements", INFOCOM 1999.)
+class LowerLine {
+ public:
+  struct Point {
+    double x = 0.0;
+    double y = 0.0;
+  };
+  struct Line {
+    double slope = 0.0;
+    double offset = 0.0;  ///< at x = 0
+  };
+  static constexpr std::size_t kPointsMax = 64;
+
+  void clear() noexcept { count_ = 0; }
+  [[nodiscard]] std::size_t size() const noexcept { return count_; }
+
+  /// Takes a point with x greater than all before; the oldest leaves when there are kPointsMax.
+  void add(const Point& point) noexcept;
+
+  /// Moves the origin of all points.
+  void shift(double dx, double dy) noexcept;
+
+  struct Slopes {
+    double least = 0.0;
+    double greatest = 0.0;
+    double otherwise = 0.0;  ///< what a single point gets; between the two
+  };
+  /// There must be at least one point.
+  [[nodiscard]] Line fit(const Slopes& slopes) const noexcept;
+
+  /// Takes back the newest point. There must be one.
+  void drop_newest() noexcept { --count_; }
+
+ private:
+  [[nodiscard]] double hull_slope(double fallback) const noexcept;
+
+  std::array<Point, kPointsMax> points_{};
+  std::size_t count_ = 0;
+};
+
+/// What the last seconds say of the rate of a stream.
+enum class RateVerdict : std::uint8_t {
+  Unchanged,  ///< nothing new
+  Corrected,  ///< the clock was corrected all the time: its period is wrong, and period_off() is nearer
+  InDoubt,    ///< the stream is not what it was said to be
+};
+
+/// Whether a clock that follows a periodic stream has to be corrected all the time. When the rate that shows
+/// then lies within the tolerance, the clock's period is wrong; when it does not, the stream is in doubt: the
+/// device has another rate, or readings are lost or doubled all the time. One event (a gap, a stall) does no
+/// harm. Looks at the last eight intervals of 0.25 s or more.
+class RateCheck {
+ public:
+  /// `tolerance` is the share by which the true rate may be off the nominal one; `period_ns` the nominal
+  /// period. A doubt lasts until the new stream has proved it wrong.
+  void begin(double tolerance, double period_ns) noexcept;
+
+  /// `elapsed_ns` have passed by arrival (0 or more) since the last call. Meanwhile the clock was put forward
+  /// by `correction_ns` beside its period, which is off the nominal one by `slope_off` (a share). While the
+  /// verdict is not Unchanged, the period that the clock goes on with is to be the nominal one (InDoubt), or
+  /// the nominal one with period_off().
+  RateVerdict add(double elapsed_ns, double correction_ns, double slope_off, bool is_settled) noexcept;
+
+  /// From a rate beyond its tolerance, or less than half the time settled, until neither has been the case
+  /// for a second and a half.
+  [[nodiscard]] bool is_in_doubt() const noexcept { return in_doubt_; }
+
+  /// The last two intervals already show a rate beyond its tolerance.
+  [[nodiscard]] bool is_suspect() const noexcept { return is_suspect_; }
+
+  /// How much longer than nominal the period seems to be over the last intervals, as a share.
+  [[nodiscard]] double period_off() const noexcept { return period_off_; }
+
+ private:
+  static constexpr std::size_t kIntervals = 8;
+  static constexpr std::size_t kExtremes = 2;  // to each side, left out of means
+  struct Interval {
+    double elapsed_ns = 0.0;
+    double correction_ns = 0.0;
+    double slope_off_ns = 0.0;
+    double unsettled_ns = 0.0;
+  };
+
+  [[nodiscard]] RateVerdict judge() noexcept;
+
+  double tolerance_ = 0.0;
+  double period_ns_ = 0.0;
+  double interval_ns_ = 0.0;
+  Interval open_;
+  std::array<double, kIntervals> corrections_{};  // shares of the interval
+  std::array<double, kIntervals> periods_off_{};
+  std::array<bool, kIntervals> unsettled_{};
+  std::size_t closed_ = 0;
+  double period_off_ = 0.0;
+  double last_off_ = 0.0;
+  bool is_suspect_ = false;
+  bool in_doubt_ = false;
+};
 
 enum class SampleTiming : std::uint8_t {
   Periodic,   ///< the device sends at a constant rate: its own times are reconstructed

@@ -1,4 +1,4 @@
-#include "hal/inclination/iio_numbers.hpp"
+#include "hal/inclination/iio_accelerometer.hpp"
 
 #include <cmath>
 #include <cstddef>

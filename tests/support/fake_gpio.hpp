@@ -1,6 +1,5 @@
 #pragma once
 
-#include "hal/gpio/debouncer.hpp"
 #include "hal/gpio/gpio.hpp"
 
 #include <array>

@@ -1,4 +1,4 @@
-#include "hal/gpio/debouncer.hpp"
+#include "hal/gpio/gpio.hpp"
 
 #include <gtest/gtest.h>
 
