@@ -1,7 +1,7 @@
 #pragma once
 
 #include "firmware/config/config.hpp"
-#include "firmware/daemon/mailbox.hpp"
+#include "firmware/daemon/handover.hpp"
 #include "firmware/device/inclinometers.hpp"
 #include "firmware/recording/tape_format.hpp"
 #include "firmware/status/sensor_status.hpp"

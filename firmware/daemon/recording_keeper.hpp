@@ -2,9 +2,9 @@
 
 #include "firmware/config/config.hpp"
 #include "firmware/daemon/map_keeper.hpp"
-#include "firmware/daemon/recording_session.hpp"
 #include "firmware/daemon/sensor_threads.hpp"
 #include "firmware/output/output_time.hpp"
+#include "firmware/recording/recorder.hpp"
 #include "firmware/supervision/log.hpp"
 
 #include <cstdint>

@@ -1,10 +1,9 @@
 #pragma once
 
 #include "firmware/config/config.hpp"
+#include "firmware/daemon/handover.hpp"
 #include "firmware/daemon/inclination_loop.hpp"
-#include "firmware/daemon/mailbox.hpp"
 #include "firmware/daemon/realtime.hpp"
-#include "firmware/daemon/scan_queue.hpp"
 #include "firmware/device/head_drivers.hpp"
 #include "firmware/gpio/gpio_panel.hpp"
 #include "firmware/recording/recording_links.hpp"

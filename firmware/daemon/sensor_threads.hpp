@@ -1,12 +1,11 @@
 #pragma once
 
 #include "firmware/config/config.hpp"
+#include "firmware/daemon/handover.hpp"
 #include "firmware/daemon/inclination_loop.hpp"
-#include "firmware/daemon/mailbox.hpp"
 #include "firmware/daemon/publish_loop.hpp"
 #include "firmware/daemon/realtime.hpp"
 #include "firmware/daemon/scan_loop.hpp"
-#include "firmware/daemon/scan_queue.hpp"
 #include "firmware/daemon/slam_loop.hpp"
 #include "firmware/gpio/gpio_panel.hpp"
 #include "firmware/supervision/heartbeats.hpp"

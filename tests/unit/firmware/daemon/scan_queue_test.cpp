@@ -1,4 +1,4 @@
-#include "firmware/daemon/scan_queue.hpp"
+#include "firmware/daemon/handover.hpp"
 
 #include <gtest/gtest.h>
 
