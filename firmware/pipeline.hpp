@@ -2,7 +2,7 @@
 
 #include "core/slam.hpp"
 #include "firmware/arena_block.hpp"
-#include "firmware/recording/map_order.hpp"
+#include "firmware/recording/event_log.hpp"
 #include "firmware/scan/sensor_head.hpp"
 #include "firmware/store/map_snapshot.hpp"
 

@@ -1,6 +1,5 @@
 #include "firmware/config/load_config.hpp"
 #include "firmware/device/head_drivers.hpp"
-#include "firmware/device/inclinometers.hpp"
 #include "firmware/scan/scan_plan.hpp"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // A layer of the configuration: a TOML document onto the values of a Config.
-#include "firmware/config/config_error.hpp"
 #include "firmware/config/load_config.hpp"
 #include "firmware/config/setting.hpp"
 

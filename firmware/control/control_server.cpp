@@ -1,6 +1,6 @@
 #include "firmware/control/control_server.hpp"
 
-#include "firmware/supervision/unix_address.hpp"
+#include "firmware/supervision/file_descriptor.hpp"
 
 #include <algorithm>
 #include <array>

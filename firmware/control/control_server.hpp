@@ -49,7 +49,7 @@ struct ControlServerConfig {
   hal::Stamp idle_min = std::chrono::seconds(1);  ///< so long silent, a client may have to make room
 };
 
-/// Serves the control protocol (control_protocol.hpp). One thread; never waits.
+/// Serves the control protocol (control_request.hpp). One thread; never waits.
 class ControlServer {
  public:
   /// Listens.

@@ -3,7 +3,7 @@
 #include "core/config.hpp"
 #include "core/fix_names.hpp"
 #include "firmware/status/status_text.hpp"
-#include "firmware/supervision/plain_text.hpp"
+#include "firmware/supervision/log.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -6,12 +6,10 @@
 #include "firmware/daemon/map_keeper.hpp"
 #include "firmware/daemon/recording_keeper.hpp"
 #include "firmware/daemon/sensor_threads.hpp"
-#include "firmware/output/output_time.hpp"
-#include "firmware/supervision/exit_status.hpp"
+#include "firmware/serving/epoch_sink.hpp"
 #include "firmware/supervision/log.hpp"
-#include "firmware/supervision/service_notifier.hpp"
+#include "firmware/supervision/service.hpp"
 #include "firmware/supervision/signals.hpp"
-#include "firmware/supervision/watchdog.hpp"
 
 #include <tl/expected.hpp>
 

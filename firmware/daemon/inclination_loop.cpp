@@ -1,6 +1,6 @@
 #include "firmware/daemon/inclination_loop.hpp"
 
-#include "firmware/scan/scan_abort.hpp"
+#include "firmware/scan/scan_scheduler.hpp"
 
 namespace slamsensor::firmware {
 namespace {

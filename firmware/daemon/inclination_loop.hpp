@@ -1,8 +1,8 @@
 #pragma once
 
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "firmware/daemon/handover.hpp"
-#include "firmware/device/inclinometers.hpp"
+#include "firmware/device/head_drivers.hpp"
 #include "firmware/recording/tape_format.hpp"
 #include "firmware/status/sensor_status.hpp"
 #include "firmware/status/sensor_tracker.hpp"

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "firmware/config/config.hpp"
-#include "firmware/control/control_protocol.hpp"
+#include "firmware/config/sensor_config.hpp"
+#include "firmware/control/control_request.hpp"
 #include "firmware/daemon/sensor_threads.hpp"
-#include "firmware/output/output_time.hpp"
+#include "firmware/serving/epoch_sink.hpp"
 #include "firmware/store/map_store.hpp"
 #include "firmware/supervision/log.hpp"
 #include "hal/stamp.hpp"

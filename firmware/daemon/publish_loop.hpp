@@ -1,14 +1,14 @@
 #pragma once
 
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "firmware/daemon/handover.hpp"
 #include "firmware/daemon/slam_loop.hpp"
 #include "firmware/gpio/gpio_panel.hpp"
 #include "firmware/lcm/lcm_publisher.hpp"
 #include "firmware/lcm/lcm_sink.hpp"
 #include "firmware/output/nmea_publisher.hpp"
-#include "firmware/output/output_time.hpp"
 #include "firmware/recording/recorder.hpp"
+#include "firmware/serving/epoch_sink.hpp"
 #include "firmware/serving/nmea_serial_sink.hpp"
 #include "firmware/serving/nmea_tcp_server.hpp"
 #include "firmware/status/sensor_status.hpp"

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "firmware/daemon/map_keeper.hpp"
 #include "firmware/daemon/sensor_threads.hpp"
-#include "firmware/output/output_time.hpp"
 #include "firmware/recording/recorder.hpp"
+#include "firmware/serving/epoch_sink.hpp"
 #include "firmware/supervision/log.hpp"
 
 #include <cstdint>

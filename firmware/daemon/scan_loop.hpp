@@ -1,6 +1,6 @@
 #pragma once
 
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "firmware/daemon/handover.hpp"
 #include "firmware/daemon/inclination_loop.hpp"
 #include "firmware/daemon/realtime.hpp"

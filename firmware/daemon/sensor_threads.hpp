@@ -1,6 +1,6 @@
 #pragma once
 
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "firmware/daemon/handover.hpp"
 #include "firmware/daemon/inclination_loop.hpp"
 #include "firmware/daemon/publish_loop.hpp"
@@ -8,8 +8,8 @@
 #include "firmware/daemon/scan_loop.hpp"
 #include "firmware/daemon/slam_loop.hpp"
 #include "firmware/gpio/gpio_panel.hpp"
-#include "firmware/supervision/heartbeats.hpp"
 #include "firmware/supervision/log.hpp"
+#include "firmware/supervision/service.hpp"
 
 #include <tl/expected.hpp>
 

@@ -2,7 +2,7 @@
 
 #include "core/fix.hpp"
 #include "core/geometry/pose2.hpp"
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "firmware/output/nmea_sentence.hpp"
 
 #include <Eigen/Core>

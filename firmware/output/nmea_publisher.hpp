@@ -1,8 +1,7 @@
 #pragma once
 
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "firmware/output/nmea.hpp"
-#include "firmware/output/output_time.hpp"
 #include "firmware/serving/epoch_sink.hpp"
 #include "firmware/status/sensor_status.hpp"
 #include "hal/counters.hpp"

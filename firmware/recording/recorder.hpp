@@ -2,7 +2,6 @@
 
 #include "firmware/lcm/lcm_sink.hpp"
 #include "firmware/recording/event_log.hpp"
-#include "firmware/recording/map_order.hpp"
 #include "firmware/recording/recording_links.hpp"
 #include "firmware/recording/tape_format.hpp"
 #include "firmware/recording/tape_writer.hpp"

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/sweep/scan_assembler.hpp"
-#include "firmware/scan/scan_abort.hpp"
 #include "firmware/scan/scan_scheduler.hpp"
 #include "hal/fixed_text.hpp"
 #include "hal/pantilt/pan_tilt.hpp"

@@ -7,7 +7,6 @@
 #include "core/sweep/scan_assembler.hpp"
 #include "core/sweep/swept_line.hpp"
 #include "firmware/arena_block.hpp"
-#include "firmware/scan/scan_abort.hpp"
 #include "firmware/scan/scan_config.hpp"
 #include "firmware/scan/scan_failure.hpp"
 #include "firmware/scan/scan_scheduler.hpp"

@@ -1,14 +1,21 @@
 #pragma once
 
-#include "firmware/output/output_time.hpp"
 #include "hal/counters.hpp"
+#include "hal/stamp.hpp"
 
+#include <chrono>
 #include <cstddef>
 #include <poll.h>
 #include <span>
 #include <string_view>
 
 namespace slamsensor::firmware {
+
+/// One moment on both clocks.
+struct OutputTime {
+  hal::Stamp monotonic{};
+  std::chrono::nanoseconds utc{0};  ///< since 1970-01-01, as the system's clock has it
+};
 
 /// Somewhere that the bytes of epochs go: a serial line, network clients, a recording. It never waits and,
 /// once made, never allocates; what it cannot take now is lost whole, and counted. One thread.

@@ -2,7 +2,7 @@
 
 #include "core/config.hpp"
 #include "core/fix_names.hpp"
-#include "firmware/supervision/plain_text.hpp"
+#include "firmware/supervision/log.hpp"
 
 #include <algorithm>
 

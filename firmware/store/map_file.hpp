@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/mapping/map_state.hpp"
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 
 #include <tl/expected.hpp>
 

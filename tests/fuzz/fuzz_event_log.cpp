@@ -1,5 +1,4 @@
 #include "firmware/recording/event_log.hpp"
-#include "firmware/recording/map_order.hpp"
 #include "tools/recording/recording_file.hpp"
 
 #include <cstddef>

@@ -58,7 +58,7 @@ class Manual(unittest.TestCase):
 
     def test_every_request_is_documented(self):
         page = rendered("slamsensor-control.7")
-        source = (TREE / "firmware/daemon/control_verbs.cpp").read_text()
+        source = (TREE / "firmware/daemon/daemon.cpp").read_text()
         requests = re.findall(r'ControlVerb\{\s*"([a-z ]+)"', source)
         self.assertGreater(len(requests), 25)
         for request in requests:

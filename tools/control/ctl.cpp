@@ -1,8 +1,7 @@
 #include "tools/control/ctl.hpp"
 
-#include "firmware/control/control_protocol.hpp"
 #include "firmware/control/control_request.hpp"
-#include "firmware/supervision/unix_address.hpp"
+#include "firmware/supervision/file_descriptor.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -24,7 +24,7 @@ struct ControlAnswer {
 /// The exit status for a refused request (sysexits.h).
 [[nodiscard]] int exit_status_of(std::string_view code);
 
-/// A connection to the daemon's control socket (firmware/control/control_protocol.hpp). Waits for answers.
+/// A connection to the daemon's control socket (firmware/control/control_request.hpp). Waits for answers.
 class ControlClient {
  public:
   /// The errors say whether the daemon is not there (EX_UNAVAILABLE) or the right is missing (EX_NOPERM).

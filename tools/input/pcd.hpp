@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/reading.hpp"
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "tools/input/text.hpp"
 
 #include <Eigen/Core>

@@ -2,7 +2,7 @@
 
 #include "core/landmark.hpp"
 #include "core/reading.hpp"
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "tools/input/text.hpp"
 
 #include <tl/expected.hpp>

@@ -4,7 +4,7 @@
 #include "core/geometry/pose2.hpp"
 #include "core/landmark.hpp"
 #include "core/reading.hpp"
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "firmware/scan/scan_config.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/input/text.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/geometry/pose2.hpp"
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "firmware/output/nmea.hpp"
 
 #include <GeographicLib/LocalCartesian.hpp>

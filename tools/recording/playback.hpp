@@ -1,6 +1,6 @@
 #pragma once
 
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "firmware/device/head_drivers.hpp"
 #include "firmware/scan/sensor_head.hpp"
 #include "tools/input/text.hpp"

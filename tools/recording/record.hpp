@@ -1,6 +1,6 @@
 #pragma once
 
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "tools/commands/command.hpp"
 #include "tools/emulator/scenario.hpp"
 #include "tools/eval/evaluation.hpp"

@@ -4,7 +4,6 @@
 #include "core/landmark.hpp"
 #include "firmware/lcm/lcm_messages.hpp"
 #include "firmware/recording/event_log.hpp"
-#include "firmware/recording/map_order.hpp"
 #include "tools/input/text.hpp"
 #include "tools/recording/playback.hpp"
 

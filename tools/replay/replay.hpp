@@ -2,7 +2,7 @@
 
 #include "core/mapping/map_state.hpp"
 #include "core/slam.hpp"
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/input/scan_source.hpp"
 #include "tools/input/text.hpp"

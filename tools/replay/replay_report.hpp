@@ -1,6 +1,6 @@
 #pragma once
 
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/output/write_file.hpp"
 #include "tools/replay/replay.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "firmware/config/config.hpp"
+#include "firmware/config/sensor_config.hpp"
 #include "firmware/config/setting.hpp"
 #include "hal/rangefinder/point_laser.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "firmware/control/control_server.hpp"
-#include "firmware/supervision/unix_address.hpp"
+#include "firmware/supervision/file_descriptor.hpp"
 #include "tests/unit/firmware/control/fake_control_target.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #include "firmware/daemon/inclination_loop.hpp"
 
 #include "core/config.hpp"
-#include "firmware/scan/scan_abort.hpp"
+#include "firmware/scan/scan_scheduler.hpp"
 #include "tests/support/fake_iio.hpp"
 
 #include <gtest/gtest.h>

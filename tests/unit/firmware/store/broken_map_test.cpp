@@ -2,7 +2,7 @@
 #include "firmware/store/map_frame.hpp"
 #include "firmware/store/map_store.hpp"
 #include "firmware/store/store_io.hpp"
-#include "firmware/supervision/unix_address.hpp"
+#include "firmware/supervision/file_descriptor.hpp"
 #include "tests/unit/firmware/store/damage.hpp"
 #include "tests/unit/tools/input/temp_folder.hpp"
 

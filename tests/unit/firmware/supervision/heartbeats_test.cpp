@@ -1,4 +1,4 @@
-#include "firmware/supervision/heartbeats.hpp"
+#include "firmware/supervision/service.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,4 @@
-#include "firmware/supervision/service_notifier.hpp"
-
-#include "firmware/supervision/watchdog.hpp"
+#include "firmware/supervision/service.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,5 @@
 #include "firmware/supervision/signals.hpp"
 
-#include "firmware/supervision/exit_status.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,5 +1,5 @@
 #include "firmware/status/status_text.hpp"
-#include "firmware/supervision/plain_text.hpp"
+#include "firmware/supervision/log.hpp"
 #include "tests/unit/firmware/supervision/sample_status.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "firmware/supervision/unix_address.hpp"
+#include "firmware/supervision/file_descriptor.hpp"
 
 #include <algorithm>
 #include <cstddef>

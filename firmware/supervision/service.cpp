@@ -1,11 +1,40 @@
-#include "firmware/supervision/service_notifier.hpp"
+#include "firmware/supervision/service.hpp"
 
-#include "firmware/supervision/plain_text.hpp"
+#include "firmware/supervision/log.hpp"
 
 #include <charconv>
 #include <cstdlib>
 
 namespace slamsensor::firmware {
+
+std::optional<std::size_t> Heartbeats::add(const Thread& thread) noexcept {
+  if (size_ == kThreadsMax) {
+    return std::nullopt;
+  }
+  watched_[size_].thread = thread;
+  return size_++;
+}
+
+std::optional<Heartbeats::Stalled> Heartbeats::check(hal::Stamp now) noexcept {
+  std::optional<Stalled> worst;
+  hal::Stamp worst_excess{};
+  for (std::size_t i = 0; i < size_; ++i) {
+    Watched& watched = watched_[i];
+    const std::uint64_t count = beats_[i].count.load(std::memory_order_relaxed);
+    if (count != watched.count || watched.changed == -hal::kNever) {
+      watched.count = count;
+      watched.changed = now;
+    }
+    const hal::Stamp silence = now - watched.changed;
+    const hal::Stamp excess = silence - watched.thread.silence_max;
+    if (excess > worst_excess) {
+      worst_excess = excess;
+      worst = Stalled{watched.thread.name, silence};
+    }
+  }
+  return worst;
+}
+
 namespace {
 
 constexpr std::int64_t kWatchdogMax_us = std::int64_t{86'400} * 1'000'000;
@@ -70,6 +99,16 @@ bool ServiceNotifier::send(std::string_view message) noexcept {
                                 address_.get(), address_.size) == static_cast<ssize_t>(message.size());
   unsent_ += is_sent ? 0 : 1;
   return is_sent;
+}
+
+std::optional<Heartbeats::Stalled> Watchdog::step(hal::Stamp now) {
+  const auto stalled = heartbeats_.check(now);
+  const auto period = notifier_.watchdog_period();
+  if (!stalled && period && (!fed_ || now - *fed_ >= *period / 3)) {
+    notifier_.feed_watchdog();
+    fed_ = now;
+  }
+  return stalled;
 }
 
 }  // namespace slamsensor::firmware
