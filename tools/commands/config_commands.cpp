@@ -1,7 +1,6 @@
 #include "core/slam.hpp"
 #include "firmware/config/list_config.hpp"
 #include "tools/commands/command.hpp"
-#include "tools/commands/options.hpp"
 
 #include <CLI/CLI.hpp>
 

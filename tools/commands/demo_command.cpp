@@ -1,5 +1,5 @@
 #include "core/fix_names.hpp"
-#include "tools/commands/options.hpp"
+#include "tools/commands/command.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/input/text_files.hpp"
 #include "tools/output/result_files.hpp"

@@ -3,11 +3,10 @@
 #include "firmware/arena_block.hpp"
 #include "hal/stamp.hpp"
 #include "tools/commands/command.hpp"
-#include "tools/commands/options.hpp"
 #include "tools/input/scan_source.hpp"
 #include "tools/input/text_files.hpp"
 #include "tools/map_files/open_map.hpp"
-#include "tools/output/write_file.hpp"
+#include "tools/output/text_output.hpp"
 
 #include <CLI/CLI.hpp>
 

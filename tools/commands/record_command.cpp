@@ -1,5 +1,5 @@
 #include "firmware/config/daemon_config.hpp"
-#include "tools/commands/options.hpp"
+#include "tools/commands/command.hpp"
 #include "tools/emulator/emulated_head.hpp"
 #include "tools/output/result_files.hpp"
 #include "tools/recording/record.hpp"

@@ -1,6 +1,5 @@
 #include "firmware/config/list_config.hpp"
 #include "tools/commands/command.hpp"
-#include "tools/commands/options.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/input/text_files.hpp"
 #include "tools/output/result_files.hpp"

@@ -2,7 +2,7 @@
 #include "hal/clock.hpp"
 #include "tools/commands/command.hpp"
 #include "tools/spy/lcm_receiver.hpp"
-#include "tools/top/terminal.hpp"
+#include "tools/top/canvas.hpp"
 #include "tools/top/top_frame.hpp"
 
 #include <CLI/CLI.hpp>

@@ -2,7 +2,6 @@
 #include "firmware/lcm/lcm_sink.hpp"
 #include "hal/clock.hpp"
 #include "tools/commands/command.hpp"
-#include "tools/commands/options.hpp"
 #include "tools/control/ctl.hpp"
 #include "tools/input/text.hpp"
 #include "tools/spy/lcm_receiver.hpp"

@@ -1,7 +1,7 @@
 #include "tools/emulator/emulated_head.hpp"
 
-#include "tools/output/number_text.hpp"
 #include "tools/output/result_files.hpp"
+#include "tools/output/text_output.hpp"
 
 #include <algorithm>
 #include <cmath>

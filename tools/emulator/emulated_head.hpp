@@ -8,7 +8,7 @@
 #include "tools/emulator/head_devices.hpp"
 #include "tools/emulator/memory_can_bus.hpp"
 #include "tools/emulator/scenario.hpp"
-#include "tools/output/write_file.hpp"
+#include "tools/output/text_output.hpp"
 #include "tools/world/random.hpp"
 #include "tools/world/simulate.hpp"
 #include "tools/world/world.hpp"

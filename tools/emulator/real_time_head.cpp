@@ -1,7 +1,7 @@
 #include "tools/emulator/real_time_head.hpp"
 
 #include "hal/clock.hpp"
-#include "tools/output/number_text.hpp"
+#include "tools/output/text_output.hpp"
 
 #include <algorithm>
 #include <asm/termbits.h>

@@ -1,6 +1,6 @@
 #include "tools/eval/evaluation.hpp"
 
-#include "tools/output/number_text.hpp"
+#include "tools/output/text_output.hpp"
 
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 #include "tools/map_files/export_map.hpp"
 
 #include "tools/map_files/map_earth.hpp"
-#include "tools/output/number_text.hpp"
+#include "tools/output/text_output.hpp"
 #include "tools/plot/svg.hpp"
 
 #include <nlohmann/json.hpp>

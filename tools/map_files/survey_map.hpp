@@ -1,16 +1,64 @@
 #pragma once
 
+#include "core/geometry/pose2.hpp"
 #include "firmware/store/map_file.hpp"
-#include "tools/map_files/survey_points.hpp"
+#include "tools/input/text.hpp"
+#include "tools/map_files/map_earth.hpp"
 
 #include <tl/expected.hpp>
 
 #include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace slamsensor::tools {
+
+/// How a table of points is to be read; what is empty is found by the usual names.
+struct SurveyColumns {
+  std::string x;
+  std::string y;
+  /// Only rows whose column `first` holds `second`.
+  std::optional<std::pair<std::string, std::string>> where;
+};
+
+/// A surveyed thing: where it stands and where the file says so.
+struct SurveyPoint {
+  core::Point2 local_m = core::Point2::Zero();  ///< meant when the survey is in local metres
+  EarthPoint place;                             ///< meant when it is in latitude and longitude
+  std::optional<std::int64_t> id;
+  std::size_t line = 0;
+};
+
+enum class SurveyFrame : std::uint8_t { LocalMetres, Wgs84 };
+
+struct Survey {
+  SurveyFrame frame = SurveyFrame::LocalMetres;
+  std::optional<firmware::Datum> datum;  ///< that the file itself names
+  std::vector<SurveyPoint> points;       ///< at least one
+  std::size_t passed_over = 0;  ///< rows or features that are no points of the survey: paths, other plots
+};
+
+/// A table with a first line of column names: `x_m,y_m` (also x,y; easting,northing) in metres or
+/// `latitude_deg,longitude_deg` (also lat,lon; latitude,longitude), and maybe `id` and `kind` (rows of
+/// another kind than `landmark` are passed over). Other columns are ignored. An error names file, line and
+/// remedy.
+[[nodiscard]] tl::expected<Survey, InputError> parse_survey_csv(std::string_view text, std::string_view name,
+                                                                const SurveyColumns& columns);
+
+/// The points of a GeoJSON (Feature, FeatureCollection, Point, MultiPoint); other geometries are passed over.
+/// WGS 84, unless the file says "crs": null or names an ENGCRS, as `map export` does. An error names file,
+/// line and remedy.
+[[nodiscard]] tl::expected<Survey, InputError> parse_survey_geojson(std::string_view text,
+                                                                    std::string_view name);
+
+/// Either, by the first character of the file: `{` begins a GeoJSON.
+[[nodiscard]] tl::expected<Survey, InputError> read_survey(const std::filesystem::path& path,
+                                                           const SurveyColumns& columns);
 
 /// What the user says of the map to be made.
 struct SurveyMapWishes {

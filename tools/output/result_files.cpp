@@ -2,7 +2,7 @@
 
 #include "core/fix_names.hpp"
 #include "firmware/store/map_names.hpp"
-#include "tools/output/number_text.hpp"
+#include "tools/output/text_output.hpp"
 
 #include <Eigen/Geometry>
 

@@ -4,7 +4,7 @@
 #include "core/geometry/pose2.hpp"
 #include "firmware/store/map_file.hpp"
 #include "tools/eval/evaluation.hpp"
-#include "tools/output/write_file.hpp"
+#include "tools/output/text_output.hpp"
 
 #include <tl/expected.hpp>
 

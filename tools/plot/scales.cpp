@@ -1,6 +1,6 @@
 #include "tools/plot/scales.hpp"
 
-#include "tools/output/number_text.hpp"
+#include "tools/output/text_output.hpp"
 
 #include <algorithm>
 #include <array>

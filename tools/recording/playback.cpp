@@ -1,7 +1,7 @@
 #include "tools/recording/playback.hpp"
 
 #include "firmware/recording/recording_links.hpp"
-#include "tools/output/number_text.hpp"
+#include "tools/output/text_output.hpp"
 
 #include <algorithm>
 #include <string_view>

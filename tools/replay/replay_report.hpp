@@ -2,7 +2,7 @@
 
 #include "firmware/config/sensor_config.hpp"
 #include "tools/eval/evaluation.hpp"
-#include "tools/output/write_file.hpp"
+#include "tools/output/text_output.hpp"
 #include "tools/replay/replay.hpp"
 
 #include <tl/expected.hpp>

@@ -2,7 +2,7 @@
 
 #include "tools/input/text.hpp"
 #include "tools/input/text_files.hpp"
-#include "tools/output/write_file.hpp"
+#include "tools/output/text_output.hpp"
 #include "tools/report/report_plots.hpp"
 
 #include <CLI/CLI.hpp>

@@ -2,7 +2,7 @@
 
 #include "firmware/lcm/lcm_messages.hpp"
 #include "firmware/recording/event_log.hpp"
-#include "tools/output/number_text.hpp"
+#include "tools/output/text_output.hpp"
 
 #include <algorithm>
 #include <cstdio>

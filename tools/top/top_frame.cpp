@@ -2,7 +2,7 @@
 
 #include "core/fix_names.hpp"
 #include "firmware/status/status_text.hpp"
-#include "tools/output/number_text.hpp"
+#include "tools/output/text_output.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "tools/world/simulate.hpp"
 
-#include "tools/output/write_file.hpp"
+#include "tools/output/text_output.hpp"
 #include "tools/world/random.hpp"
 #include "tools/world/world_config.hpp"
 

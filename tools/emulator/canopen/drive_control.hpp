@@ -1,7 +1,6 @@
 #pragma once
 
 #include "tools/emulator/canopen/drive_axis.hpp"
-#include "tools/emulator/canopen/drive_objects.hpp"
 
 #include <cstdint>
 #include <optional>

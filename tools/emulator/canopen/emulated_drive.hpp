@@ -1,7 +1,7 @@
 #pragma once
 
+#include "tools/emulator/canopen/drive_axis.hpp"
 #include "tools/emulator/canopen/drive_control.hpp"
-#include "tools/emulator/canopen/drive_objects.hpp"
 #include "tools/emulator/canopen/emulated_node.hpp"
 #include "tools/emulator/emulated_device.hpp"
 

@@ -1,6 +1,5 @@
-#include "tools/output/number_text.hpp"
-
 #include "core/fix_names.hpp"
+#include "tools/output/text_output.hpp"
 
 #include <gtest/gtest.h>
 

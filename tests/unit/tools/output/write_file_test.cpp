@@ -1,4 +1,4 @@
-#include "tools/output/write_file.hpp"
+#include "tools/output/text_output.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "tools/commands/options.hpp"
+#include "tools/commands/command.hpp"
 
 #include <CLI/CLI.hpp>
 
