@@ -128,6 +128,12 @@ class Planted(unittest.TestCase):
         self.expect(tree.skips, "tests/b_test.cpp", "\nTEST(A, DISABLED" + "_B) {}\n", 2)
         self.expect(tree.skips, "tests/b_test.cpp", "TEST(A, B) { GTEST_SKIP" + "(); }\n", 1)
 
+    def test_headers(self):
+        twice = {"core/triangle.hpp": "#pragma once\n", "firmware/scan/triangle.hpp": "#pragma once\n"}
+        self.assertEqual([f.path for f in self.findings(tree.headers, files=twice)], ["firmware/scan/triangle.hpp"])
+        in_tests = {"core/triangle.hpp": "#pragma once\n", "tests/support/triangle.hpp": "#pragma once\n"}
+        self.assertEqual(self.findings(tree.headers, files=in_tests), [])
+
 
 class PlantedSymbols(unittest.TestCase):
     def findings(self, source):

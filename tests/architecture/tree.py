@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The state of the house: tree.py entries|words|config|skips ROOT."""
+"""The state of the house: tree.py entries|words|config|skips|headers ROOT."""
+import collections
 import pathlib
 import re
 import sys
@@ -73,7 +74,17 @@ def skips(root):
     return findings
 
 
-CHECKS = {check.__name__: check for check in (entries, words, config, skips)}
+def headers(root):
+    """One header name, one meaning: no two headers of the product are called the same."""
+    places = collections.defaultdict(list)
+    for name in house.cpp_files(root):
+        if name.endswith(".hpp"):
+            places[pathlib.PurePath(name).name].append(name)
+    return [house.Finding(name, 1, f"{places[title][0]} has this header's name too")
+            for title in places for name in places[title][1:]]
+
+
+CHECKS = {check.__name__: check for check in (entries, words, config, skips, headers)}
 
 if __name__ == "__main__":
     house.finish(CHECKS[sys.argv[1]](pathlib.Path(sys.argv[2])), sys.argv[1])
