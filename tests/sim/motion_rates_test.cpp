@@ -2,6 +2,7 @@
 // Scanlines come straight from the world; the sensor moves between and within them. SLAMSENSOR_MOTION_SCANS
 // says how many scans of each kind in each world (default 6; 100 for the table).
 
+#include "core/config.hpp"
 #include "core/sweep/motion_detector.hpp"
 #include "tests/support/source_tree.hpp"
 #include "tools/world/drive.hpp"
@@ -23,7 +24,7 @@
 namespace slamsensor::tools {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using core::kDegree;
 
 std::uint64_t scan_count() {
   const char* const count = std::getenv("SLAMSENSOR_MOTION_SCANS");

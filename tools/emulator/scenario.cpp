@@ -1,18 +1,18 @@
 #include "tools/emulator/scenario.hpp"
 
+#include "core/config.hpp"
 #include "tools/emulator/head_devices.hpp"
 #include "tools/world/toml_file.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <utility>
 
 namespace slamsensor::tools {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using core::kDegree;
 constexpr double kMilli = 1e-3;
 constexpr double kFar_m = 1e5;
 constexpr double kLatest_s = 1e9;

@@ -1,5 +1,6 @@
 #include "tools/top/top_frame.hpp"
 
+#include "core/config.hpp"
 #include "core/fix_names.hpp"
 #include "firmware/status/status_text.hpp"
 #include "tools/output/text_output.hpp"
@@ -188,7 +189,7 @@ void draw_map_sketch(const SensorView& view, const CanvasBox& box, Canvas& canva
 using firmware::PoseMessage;
 using firmware::StatusMessage;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using core::kDegree;
 constexpr std::array<std::string_view, 2> kDeviceNames = {"pan-tilt   ", "rangefinder"};
 
 std::string duration(std::int64_t ns) {

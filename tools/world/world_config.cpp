@@ -1,5 +1,6 @@
 #include "tools/world/world_config.hpp"
 
+#include "core/config.hpp"
 #include "tools/world/toml_file.hpp"
 #include "tools/world/world.hpp"
 
@@ -8,7 +9,6 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <numbers>
 
 namespace slamsensor::tools {
 namespace {
@@ -100,7 +100,7 @@ tl::expected<std::vector<core::Point2>, WorldError> load_stems(const std::filesy
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using core::kDegree;
 constexpr double kFar_m = 1e5;
 constexpr double kDensityMax_per_ha = 20'000.0;
 constexpr double kSizeMin_m = 0.01;

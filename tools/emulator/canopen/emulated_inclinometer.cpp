@@ -1,9 +1,10 @@
 #include "tools/emulator/canopen/emulated_inclinometer.hpp"
 
+#include "core/config.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <tuple>
 
 namespace slamsensor::tools {
@@ -21,7 +22,7 @@ constexpr std::uint32_t kSdoReply = 0x580;
 constexpr std::uint32_t kSdoRequest = 0x600;
 constexpr std::uint32_t kHeartbeat = 0x700;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using core::kDegree;
 constexpr double kOverRange_rad = 200.0 * kDegree;
 constexpr std::uint16_t kOverRangeCode = 0x5000;
 constexpr Stamp kAnswer = std::chrono::microseconds(500);

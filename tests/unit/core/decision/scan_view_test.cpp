@@ -1,14 +1,13 @@
 #include "core/decision/scan_view.hpp"
 
+#include "core/config.hpp"
+
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <vector>
 
 namespace slamsensor::core {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 Point2 polar(double range_m, double bearing_deg) {
   return {range_m * std::cos(bearing_deg * kDegree), range_m * std::sin(bearing_deg * kDegree)};

@@ -1,5 +1,6 @@
 #include "core/sweep/motion_detector.hpp"
 
+#include "core/config.hpp"
 #include "tests/unit/firmware/scan/carried_scene.hpp"
 
 #include <gtest/gtest.h>
@@ -18,7 +19,7 @@ using core::MotionConfig;
 using core::MotionDetector;
 using core::MotionEvent;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using core::kDegree;
 constexpr std::uint32_t kLines = 20;
 constexpr double kTiltMin_rad = -6.0 * kDegree;
 constexpr double kTiltStep_rad = 0.6 * kDegree;

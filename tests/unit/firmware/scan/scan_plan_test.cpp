@@ -1,11 +1,13 @@
 #include "firmware/scan/scan_plan.hpp"
 
+#include "core/config.hpp"
+
 #include <gtest/gtest.h>
 
 namespace slamsensor::firmware {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using core::kDegree;
 constexpr double kStep_rad = kPaperStep_rad;
 
 hal::PanTiltInfo paper_unit() {

@@ -1,5 +1,6 @@
 #include "tools/world/ground.hpp"
 
+#include "core/config.hpp"
 #include "tools/world/random.hpp"
 
 #include <gtest/gtest.h>
@@ -11,7 +12,7 @@
 namespace slamsensor::tools {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using core::kDegree;
 
 Ray look(const Eigen::Vector3d& origin_W, double pan_rad, double tilt_rad) {
   return {

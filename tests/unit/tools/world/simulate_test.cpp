@@ -1,17 +1,18 @@
 #include "tools/world/simulate.hpp"
 
+#include "core/config.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <fstream>
 #include <iterator>
-#include <numbers>
 #include <string>
 
 namespace slamsensor::tools {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using core::kDegree;
 
 class Simulate : public testing::Test {
  protected:

@@ -1,3 +1,4 @@
+#include "core/config.hpp"
 #include "tools/world/simulate.hpp"
 
 #include <gtest/gtest.h>
@@ -7,7 +8,7 @@
 namespace slamsensor::tools {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using core::kDegree;
 
 World make(WorldConfig config) {
   config.rangefinder.noise_sigma_m = 0.0;
