@@ -129,9 +129,6 @@ void check_method(Rules& rules) {
                 {"detection.range_step_m", "detection.bearing_step_deg", "detection.range_max_m"},
                 "makes a grid of " + real_text(cells) + " cells, more than the allowed " +
                     real_text(kGridCellsMax) + ", with");
-  rules.require(association.landmarks_min <= detection.landmarks_max,
-                {"association.landmarks_min", "detection.landmarks_max"},
-                "leaves no scan to be searched: it is above");
   rules.require(capacities.occupied_cells >= grid_columns(detection),
                 {"capacities.occupied_cells", "detection.bearing_step_deg"},
                 "is too small for the cells of one scanline all the way round,");
@@ -157,30 +154,13 @@ void check_scan(Rules& rules) {
                     std::to_string(kScanlinesMax) + ", with");
   rules.require(scan.calibration_lines % 2 == 0, {"scan.calibration_lines"},
                 "is odd, but each line needs one swept the other way");
-  rules.require(rules.config().scan_head.pan_fit.polls_min <= scan.polls_per_line_max,
-                {"pan_fit.polls_min", "scan.polls_per_line_max"}, "is above");
-}
-
-void check_reopen(Rules& rules) {
-  const HeadConfig& head = rules.config().head;
-  rules.require(head.pan_tilt_port.reopen.first <= head.pan_tilt_port.reopen.longest,
-                {"pan_tilt_port.reopen_first_s", "pan_tilt_port.reopen_longest_s"}, "is above");
-  rules.require(head.rangefinder_port.reopen.first <= head.rangefinder_port.reopen.longest,
-                {"rangefinder_port.reopen_first_s", "rangefinder_port.reopen_longest_s"}, "is above");
 }
 
 void check_pan_tilt(Rules& rules) {
   const hal::PtuConfig& ptu = rules.config().head.ptu;
   const hal::CanopenConfig& canopen = rules.config().head.canopen;
-  rules.require(ptu.rest_poll_hz <= ptu.poll_hz, {"ptu.rest_poll_hz", "ptu.poll_hz"}, "is above");
   rules.require(ptu.fast_baud == 0 || ptu.fast_baud >= 300, {"ptu.fast_baud"},
                 "is neither 0 nor at least 300");
-  rules.require(canopen.rest_poll_hz <= canopen.poll_hz, {"canopen.rest_poll_hz", "canopen.poll_hz"},
-                "is above");
-  rules.require(canopen.heartbeat < canopen.heartbeat_timeout,
-                {"canopen.heartbeat_s", "canopen.heartbeat_timeout_s"}, "is not below");
-  rules.require(canopen.retry_first <= canopen.retry_longest,
-                {"canopen.retry_first_s", "canopen.retry_longest_s"}, "is above");
   rules.require(canopen.pan.node != canopen.tilt.node, {"canopen_pan.node", "canopen_tilt.node"},
                 "is the same as");
   rules.require(canopen.pan.min_rad < canopen.pan.max_rad, {"canopen_pan.min_deg", "canopen_pan.max_deg"},
@@ -312,9 +292,6 @@ void check_inclination(Rules& rules) {
                 {"inclination.can_node", "canopen_pan.node"}, "is the same as");
   rules.require(!shares_bus || head.cia410.node != head.canopen.tilt.node,
                 {"inclination.can_node", "canopen_tilt.node"}, "is the same as");
-  rules.require(
-      levelling.source != InclinationSource::Can || levelling.max_age_s * head.cia410.poll_hz >= 2.0,
-      {"inclination.max_age_s", "inclination.can_poll_hz"}, "is shorter than two measurements at");
   rules.require(levelling.source != InclinationSource::Iio || levelling.max_age_s >= 2.0 * head.iio.mean_s,
                 {"inclination.max_age_s", "inclination.iio_mean_s"}, "is shorter than two measurements of");
   for (const InclinationSource source : {InclinationSource::Can, InclinationSource::Iio}) {
@@ -326,7 +303,6 @@ void check_inclination(Rules& rules) {
 
 void check_head(Rules& rules) {
   check_ports(rules);
-  check_reopen(rules);
   check_pan_tilt(rules);
   check_rangefinder(rules);
   check_can_ids(rules);
@@ -339,8 +315,6 @@ void check_realtime(Rules& rules) {
   const RealtimeConfig& realtime = rules.config().daemon.realtime;
   rules.require(realtime.slam_priority < realtime.scan_priority,
                 {"realtime.slam_priority", "realtime.scan_priority"}, "is not below");
-  rules.require(realtime.scan_deadline_s >= realtime.scan_period_s,
-                {"realtime.scan_deadline_s", "realtime.scan_period_s"}, "is below");
 }
 
 /// A sentence has at most 82 characters of 10 bits.

@@ -21,7 +21,6 @@ using hal::SerialLine;
 constexpr std::string_view kPanTilts[] = {"ptu", "canopen"};
 constexpr std::string_view kRangefinders[] = {"lwnx", "benewake_serial", "benewake_can", "point_laser"};
 constexpr std::string_view kParities[] = {"none", "even", "odd"};
-constexpr std::string_view kLatencies[] = {"as_is", "low"};
 constexpr std::string_view kLevels[] = {"low", "high"};
 constexpr std::string_view kEchoes[] = {"off", "on"};
 constexpr auto kHead = &Config::head;
@@ -33,7 +32,6 @@ constexpr auto kReopen = &SerialConfig::reopen;
 constexpr auto kRs485 = &SerialConfig::rs485;
 
 constexpr std::string_view kResets[] = {"never", "if_unreferenced", "always"};
-constexpr std::string_view kDelimiters[] = {"space", "carriage_return"};
 constexpr std::string_view kPacings[] = {"line_rate", "at_once"};
 constexpr std::string_view kSenses[] = {"normal", "reversed"};
 constexpr std::string_view kRecoveries[] = {"never", "writes_eeprom"};
@@ -75,18 +73,8 @@ constexpr Setting kSettings[] = {
 
     {"pan_tilt_port.path", "", "Terminal device; a stable name.",
      free_text<kHead, kPanPort, &SerialConfig::path>(kDevicePath)},
-    {"pan_tilt_port.data_bits", "", "Data bits of a character.",
-     integer<kHead, kPanPort, kLine, kFormat, &SerialFormat::data_bits>(7, 8)},
-    {"pan_tilt_port.parity", "", "Parity of a character.",
-     choice<kHead, kPanPort, kLine, kFormat, &SerialFormat::parity>(kParities)},
-    {"pan_tilt_port.stop_bits", "", "Stop bits of a character.",
-     integer<kHead, kPanPort, kLine, kFormat, &SerialFormat::stop_bits>(1, 2)},
-    {"pan_tilt_port.latency", "", "Whether the driver is asked to hand over bytes at once.",
-     choice<kHead, kPanPort, &SerialConfig::latency>(kLatencies)},
-    {"pan_tilt_port.reopen_first_s", "s", "Wait before a lost port is opened again; doubled at each failure ...",
-     duration<kHead, kPanPort, kReopen, &ReopenConfig::first>(0.001, 60.0)},
-    {"pan_tilt_port.reopen_longest_s", "s", "... up to this.",
-     duration<kHead, kPanPort, kReopen, &ReopenConfig::longest>(0.001, 60.0)},
+    {"pan_tilt_port.reopen_longest_s", "s", "Wait before a lost port is opened again: doubled at each failure from 0.05 s up to this.",
+     duration<kHead, kPanPort, kReopen, &ReopenConfig::longest>(0.05, 60.0)},
 
     {"pan_tilt_rs485.rts_while_sending", "", "Level of RTS while bytes are sent.",
      choice<kHead, kPanPort, kRs485, &Rs485Config::rts_while_sending>(kLevels)},
@@ -107,12 +95,8 @@ constexpr Setting kSettings[] = {
      choice<kHead, kRangePort, kLine, kFormat, &SerialFormat::parity>(kParities)},
     {"rangefinder_port.stop_bits", "", "Stop bits of a character.",
      integer<kHead, kRangePort, kLine, kFormat, &SerialFormat::stop_bits>(1, 2)},
-    {"rangefinder_port.latency", "", "Whether the driver is asked to hand over bytes at once.",
-     choice<kHead, kRangePort, &SerialConfig::latency>(kLatencies)},
-    {"rangefinder_port.reopen_first_s", "s", "Wait before a lost port is opened again; doubled at each failure ...",
-     duration<kHead, kRangePort, kReopen, &ReopenConfig::first>(0.001, 60.0)},
-    {"rangefinder_port.reopen_longest_s", "s", "... up to this.",
-     duration<kHead, kRangePort, kReopen, &ReopenConfig::longest>(0.001, 60.0)},
+    {"rangefinder_port.reopen_longest_s", "s", "Wait before a lost port is opened again: doubled at each failure from 0.05 s up to this.",
+     duration<kHead, kRangePort, kReopen, &ReopenConfig::longest>(0.05, 60.0)},
 
     {"rangefinder_rs485.rts_while_sending", "", "Level of RTS while bytes are sent.",
      choice<kHead, kRangePort, kRs485, &Rs485Config::rts_while_sending>(kLevels)},
@@ -131,8 +115,6 @@ constexpr Setting kSettings[] = {
      integer<kHead, kPtu, &PtuConfig::fast_baud>(0, 921'600)},
     {"ptu.reset", "", "When a start-up drives both axes into their stops to find the zero.",
      choice<kHead, kPtu, &PtuConfig::reset>(kResets)},
-    {"ptu.delimiter", "", "What ends a command.",
-     choice<kHead, kPtu, &PtuConfig::delimiter>(kDelimiters)},
     {"ptu.pacing", "", "Whether bytes take their time on the line; at_once for USB and network bridges.",
      choice<kHead, kPtu, &PtuConfig::pacing>(kPacings)},
     {"ptu.pan_sense", "", "normal: pan counts up to the left.",
@@ -141,16 +123,12 @@ constexpr Setting kSettings[] = {
      choice<kHead, kPtu, &PtuConfig::tilt_sense>(kSenses)},
     {"ptu.network_recovery", "", "Whether a silent unit's network identity is taken away; its EEPROM wears.",
      choice<kHead, kPtu, &PtuConfig::network_recovery>(kRecoveries)},
-    {"ptu.poll_hz", "Hz", "Positions asked for of a moving axis; the line may allow less.",
-     real<kHead, kPtu, &PtuConfig::poll_hz>(1.0, 200.0)},
-    {"ptu.rest_poll_hz", "Hz", "The same of a resting axis.",
-     real<kHead, kPtu, &PtuConfig::rest_poll_hz>(0.1, 200.0)},
+    {"ptu.poll_hz", "Hz", "Positions asked for of a moving axis; the line may allow less. Of a resting axis: 2 Hz.",
+     real<kHead, kPtu, &PtuConfig::poll_hz>(2.0, 200.0)},
     {"ptu.query_timeout_s", "s", "Patience for the answer to a query, beside its time on the line.",
      duration<kHead, kPtu, &PtuConfig::query_timeout>(0.001, 600.0)},
     {"ptu.motion_timeout_s", "s", "The same for a move.",
      duration<kHead, kPtu, &PtuConfig::motion_timeout>(0.001, 600.0)},
-    {"ptu.reset_timeout_s", "s", "The same for a reset; also how long a unit found resetting is waited for.",
-     duration<kHead, kPtu, &PtuConfig::reset_timeout>(0.001, 600.0)},
     {"ptu.retry_wait_s", "s", "Rest before a faulted unit is started up again.",
      duration<kHead, kPtu, &PtuConfig::retry_wait>(0.001, 600.0)},
 
@@ -164,20 +142,10 @@ constexpr Setting kSettings[] = {
      choice<kHead, kCanopen, &CanopenConfig::pdo_timing>(kTimings)},
     {"canopen.motion", "", "How a move is driven; profile_velocity needs mode 3 of the drives.",
      choice<kHead, kCanopen, &CanopenConfig::motion>(kMotions)},
-    {"canopen.poll_hz", "Hz", "SYNCs, and positions of a moving axis.",
-     real<kHead, kCanopen, &CanopenConfig::poll_hz>(1.0, 1000.0)},
-    {"canopen.rest_poll_hz", "Hz", "Positions of a resting axis.",
-     real<kHead, kCanopen, &CanopenConfig::rest_poll_hz>(0.1, 1000.0)},
-    {"canopen.heartbeat_s", "s", "Heartbeat asked of the drives.",
-     duration<kHead, kCanopen, &CanopenConfig::heartbeat>(0.01, 30.0)},
-    {"canopen.heartbeat_timeout_s", "s", "Silence after which a drive is lost; longer than heartbeat_s.",
-     duration<kHead, kCanopen, &CanopenConfig::heartbeat_timeout>(0.01, 600.0)},
+    {"canopen.poll_hz", "Hz", "SYNCs, and positions of a moving axis. Of a resting axis: 2 Hz.",
+     real<kHead, kCanopen, &CanopenConfig::poll_hz>(2.0, 1000.0)},
     {"canopen.homing_timeout_s", "s", "Patience for homing.",
      duration<kHead, kCanopen, &CanopenConfig::homing_timeout>(0.001, 600.0)},
-    {"canopen.retry_first_s", "s", "Wait before a start-up is tried again; doubled at each failure ...",
-     duration<kHead, kCanopen, &CanopenConfig::retry_first>(0.001, 600.0)},
-    {"canopen.retry_longest_s", "s", "... up to this.",
-     duration<kHead, kCanopen, &CanopenConfig::retry_longest>(0.001, 600.0)},
 
     {"canopen_pan.node", "", "Node number of the drive.",
      integer<kHead, kCanopen, kPan, &CanopenAxisConfig::node>(1, 127)},

@@ -17,7 +17,6 @@ using core::MountConfig;
 // Lists of names are those of the enumerators, in their order.
 
 constexpr std::string_view kModes[] = {"continuous", "single", "one_shot"};
-constexpr std::string_view kRoundings[] = {"nearest", "down", "toward_zero"};
 constexpr auto kScanHead = &Config::scan_head;
 
 constexpr std::string_view kPoints[] = {"hull_centroid", "reading_mean"};
@@ -38,7 +37,6 @@ constexpr std::string_view kOrders[] = {"weight", "diameter", "nearest"};
 
 constexpr Section kSections[] = {
     {"scan", "What is swept, and how. Defaults: experiments I and II of the paper, 51 scanlines of 5 s."},
-    {"pan_fit", "How the pan angle of each reading is found from the positions that the unit tells."},
     {"latency", "How the constant latency between the two devices is found by the sensor itself."},
     {"motion",
      "How a scan is recognised that was not made from one place, because the carrier moved meanwhile."},
@@ -73,8 +71,6 @@ constexpr Setting kSettings[] = {
      choice<kScanHead, &SensorHeadConfig::scan, &ScanConfig::mode>(kModes), Apply::Live},
     {"scan.calibration_lines", "", "Even: scanlines swept at start-up at one tilt, to find the latency between the devices.",
      integer<kScanHead, &SensorHeadConfig::scan, &ScanConfig::calibration_lines>(0, 100)},
-    {"scan.calibration_tilt_deg", "deg", "Where they are swept.",
-     degrees<kScanHead, &SensorHeadConfig::scan, &ScanConfig::calibration_tilt_rad>(-90.0, 90.0)},
     {"scan.settle_s", "s", "From the arrival of both axes to the sweep.",
      real<kScanHead, &SensorHeadConfig::scan, &ScanConfig::settle_s>(0.0, 10.0)},
     {"scan.late_data_s", "s", "How long data of an ended line may be under way.",
@@ -83,24 +79,14 @@ constexpr Setting kSettings[] = {
      real<kScanHead, &SensorHeadConfig::scan, &ScanConfig::retry_s>(0.0, 600.0)},
     {"scan.lines_rejected_max_share", "", "A scan with a larger share of rejected lines is aborted.",
      real<kScanHead, &SensorHeadConfig::scan, &ScanConfig::lines_rejected_max_share>(0.0, 1.0)},
-    {"scan.pan_sigma_max_deg", "deg", "A line whose pan angles are known worse (1 sigma) is left out; a scan with too many gives no fix.",
-     degrees<kScanHead, &SensorHeadConfig::scan, &ScanConfig::pan_sigma_max_rad>(0.01, 10.0)},
     {"scan.readings_per_line_max", "", "Room for the readings of a line; 56 bytes each.",
      integer<kScanHead, &SensorHeadConfig::scan, &ScanConfig::readings_per_line_max>(100, 2'000'000)},
-    {"scan.polls_per_line_max", "", "Room for the positions of a line.",
-     integer<kScanHead, &SensorHeadConfig::scan, &ScanConfig::polls_per_line_max>(10, 100'000)},
 
-    {"pan_fit.polls_min", "", "Positions of the moving axis that a line needs.",
-     integer<kScanHead, &SensorHeadConfig::pan_fit, &PanFitConfig::polls_min>(3, 1000)},
-    {"pan_fit.rounding", "", "How the unit makes a whole position out of where its axis is.",
-     choice<kScanHead, &SensorHeadConfig::pan_fit, &PanFitConfig::rounding>(kRoundings)},
 
     {"latency.self_calibration", "", "Whether the latency between the devices is found from opposite sweeps; else initial_s counts.",
      boolean<kScanHead, &SensorHeadConfig::latency, &LatencyConfig::self_calibration>()},
     {"latency.initial_s", "s", "Added to a reading's time until something better is known.",
      real<kScanHead, &SensorHeadConfig::latency, &LatencyConfig::initial_s>(-0.5, 0.5)},
-    {"latency.initial_sigma_s", "s", "1 sigma of initial_s.",
-     real<kScanHead, &SensorHeadConfig::latency, &LatencyConfig::initial_sigma_s>(1e-6, 0.5)},
     {"latency.range_max_m", "m", "For this, what is farther counts as no return.",
      real<kScanHead, &SensorHeadConfig::latency, &LatencyConfig::range_max_m>(1.0, 10'000.0)},
 
@@ -157,8 +143,6 @@ constexpr Setting kSettings[] = {
      choice<kCore, kAssociation, &AssociationConfig::rank>(kRanks)},
     {"association.exhaust_when_unsure", "", "Go on to the end of the order when the share gave no clear answer.",
      boolean<kCore, kAssociation, &AssociationConfig::exhaust_when_unsure>()},
-    {"association.landmarks_min", "", "A scan with fewer landmarks is not searched.",
-     integer<kCore, kAssociation, &AssociationConfig::landmarks_min>(3, core::kScanLandmarksMax)},
 
     {"acceptance.rule", "", "The evidence for and against a pose (product), or the largest W wins (paper; overlap is assumed).",
      choice<kCore, kAcceptance, &AcceptanceConfig::rule>(kRules)},
@@ -166,10 +150,6 @@ constexpr Setting kSettings[] = {
      real<kCore, kAcceptance, &AcceptanceConfig::risk>(1e-12, 0.1)},
     {"acceptance.copy_size_m", "m", "The largest thing that comes in copies; 0: 15 m in a map in the making.",
      real<kCore, kAcceptance, &AcceptanceConfig::copy_size_m>(0.0, 1000.0)},
-    {"acceptance.elsewhere_m", "m", "A pose farther from the answer than this is elsewhere: one of the two is wrong.",
-     real<kCore, kAcceptance, &AcceptanceConfig::elsewhere_m>(0.001, 1000.0)},
-    {"acceptance.elsewhere_deg", "deg", "So is a pose turned by more than this.",
-     degrees<kCore, kAcceptance, &AcceptanceConfig::elsewhere_rad>(0.001, 180.0)},
 
     {"mapping.hypotheses_max", "", "Lambda_max: hypotheses kept, each with a map of its own.",
      integer<kCore, kMapping, &MappingConfig::hypotheses_max>(1, core::kHypothesesMax)},
@@ -179,8 +159,6 @@ constexpr Setting kSettings[] = {
      boolean<kCore, kMapping, &MappingConfig::propagate_corrections>()},
     {"mapping.prune_share", "", "Landmarks seen in a smaller share of their chances are forgotten; 0 is never.",
      real<kCore, kMapping, &MappingConfig::prune_share>(0.0, 1.0)},
-    {"mapping.prune_chances_min", "", "But not before this many chances.",
-     integer<kCore, kMapping, &MappingConfig::prune_chances_min>(1, 1'000'000)},
 
     {"capacities.occupied_cells", "", "Cells of the spiderweb grid that a scan can occupy.",
      integer<kCore, kCapacities, &Capacities::occupied_cells>(100, 20'000'000)},

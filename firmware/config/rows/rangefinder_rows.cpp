@@ -26,7 +26,6 @@ constexpr std::string_view kPolicies[] = {"keep", "change"};
 constexpr std::string_view kModes[] = {"readings", "readings_mm", "raw_readings"};
 constexpr std::string_view kModels[] = {"tf03", "tfmini", "tfmini_plus", "tfmini_s", "tf02"};
 constexpr std::string_view kCommands[] = {"none", "as_serial"};
-constexpr std::uint32_t kRateWidths[] = {0, 1, 2, 4};
 constexpr auto kHead = &Config::head;
 constexpr auto kLwnx = &HeadConfig::lwnx;
 constexpr auto kSerial = &HeadConfig::benewake_serial;
@@ -92,14 +91,6 @@ constexpr Setting kSettings[] = {
      real<kHead, kLwnx, &LwnxConfig::range, &RangeConfig::weak_below>(0.0, 1e9)},
     {"lwnx.saturated_from", "", "Strength from which a distance is not trusted; inf: as the product's table says.",
      real<kHead, kLwnx, &LwnxConfig::range, &RangeConfig::saturated_from>(1e-6, kInfinity)},
-    {"lwnx.clock_timing", "", "Whether readings come at a constant rate, from which their times are then found.",
-     choice<kHead, kLwnx, &LwnxConfig::range, kClock, &SampleClockConfig::timing>(kClockTimings)},
-    {"lwnx.lost_signal_counter", "", "Misses until the device says \"lost\"; before that it repeats old distances.",
-     integer<kHead, kLwnx, &LwnxConfig::lost_signal_counter>(1, 250)},
-    {"lwnx.rate_width", "", "Bytes of the update rate's value; 0: as the product's table says.",
-     one_of<kHead, kLwnx, &LwnxConfig::rate_width>(kRateWidths)},
-    {"lwnx.reading_unit_m", "m", "Unit of a distance in command 44; 0: as the product's table says.",
-     real<kHead, kLwnx, &LwnxConfig::reading_unit_m>(0.0, 1.0)},
 
     {"benewake.model", "", "Product.",
      choice<kHead, kSerial, kDevice, &BenewakeConfig::model>(kModels)},
@@ -111,10 +102,6 @@ constexpr Setting kSettings[] = {
      real<kHead, kSerial, kDevice, &BenewakeConfig::range, &RangeConfig::weak_below>(0.0, 1e9)},
     {"benewake.saturated_from", "", "Strength from which a distance is not trusted; inf: none.",
      real<kHead, kSerial, kDevice, &BenewakeConfig::range, &RangeConfig::saturated_from>(1e-6, kInfinity)},
-    {"benewake.clock_timing", "", "Whether readings come at a constant rate, from which their times are then found.",
-     choice<kHead, kSerial, kDevice, &BenewakeConfig::range, kClock, &SampleClockConfig::timing>(kClockTimings)},
-    {"benewake.over_range_cm", "cm", "What the device says for \"nothing\"; also set in a TF03.",
-     integer<kHead, kSerial, kDevice, &BenewakeConfig::over_range_cm>(0, 65'535)},
 
     {"benewake_serial.baud", "baud", "Line rate that is tried first.",
      integer<kHead, kSerial, &BenewakeSerialConfig::baud>(9600, 4'000'000)},
@@ -205,8 +192,6 @@ constexpr Setting kSettings[] = {
      real<kScanHead, kLevelling, &LevellingConfig::max_age_s>(0.2, 60.0)},
     {"inclination.max_lean_deg", "deg", "A sensor that leans by more does not scan.",
      degrees<kScanHead, kLevelling, &LevellingConfig::max_lean_rad>(1.0, 45.0)},
-    {"inclination.moved_deg", "deg", "Tilted by more than this during a scan, the carrier has moved.",
-     degrees<kScanHead, kLevelling, &LevellingConfig::moved_rad>(0.05, 45.0)},
     {"inclination.can_interface", "", "CAN interface of the inclinometer; its bit rate is the system's.",
      free_text<kHead, kCia410, &Cia410Config::interface>(kInterface)},
     {"inclination.can_node", "", "Its node number.",
@@ -215,8 +200,6 @@ constexpr Setting kSettings[] = {
      choice<kHead, kCia410, &Cia410Config::long_slope>(kLongSlopes)},
     {"inclination.can_lateral_slope", "", "What its lateral slope means when it is positive.",
      choice<kHead, kCia410, &Cia410Config::lateral_slope>(kLateralSlopes)},
-    {"inclination.can_poll_hz", "Hz", "Measurements asked for.",
-     real<kHead, kCia410, &Cia410Config::poll_hz>(0.1, 50.0)},
     {"inclination.iio_device", "", "Accelerometer: its name or label (\"adxl345\"), \"iio:device0\", or its folder.",
      free_text<kHead, kIio, &IioConfig::device>(kIioDevice)},
     {"inclination.iio_mean_s", "s", "A measurement is the mean of readings for so long.",
