@@ -1,5 +1,5 @@
 #include "hal/inclination/cia410.hpp"
-#include "tests/fuzz/fuzz_can_link.hpp"
+#include "tests/fuzz/wires/fuzz_can_link.hpp"
 
 #include <cmath>
 #include <cstddef>

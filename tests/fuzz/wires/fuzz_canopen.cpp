@@ -1,5 +1,5 @@
 #include "hal/pantilt/canopen/canopen_pan_tilt.hpp"
-#include "tests/fuzz/fuzz_can_link.hpp"
+#include "tests/fuzz/wires/fuzz_can_link.hpp"
 
 #include <array>
 #include <cmath>

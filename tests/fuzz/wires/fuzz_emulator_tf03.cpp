@@ -1,4 +1,4 @@
-#include "tests/fuzz/fuzz_device.hpp"
+#include "tests/fuzz/wires/fuzz_device.hpp"
 #include "tools/emulator/rangefinder/emulated_tf03.hpp"
 
 // The first byte picks the model. Whatever a host says, the device says no more than its line carries.
