@@ -83,13 +83,13 @@ PtuCommand PtuCommand::baud(std::uint32_t rate) noexcept {
   return command;
 }
 
-std::size_t PtuCommand::write(PtuDelimiter delimiter, std::span<std::uint8_t> into) const noexcept {
+std::size_t PtuCommand::write(std::span<std::uint8_t> into) const noexcept {
   if (into.size() < size_ + 1) {
     return 0;
   }
   std::transform(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(size_), into.begin(),
                  [](char c) { return static_cast<std::uint8_t>(c); });
-  into[size_] = delimiter == PtuDelimiter::Space ? ' ' : '\r';
+  into[size_] = ' ';  // every known firmware takes a space as the end of a command
   return size_ + 1;
 }
 

@@ -53,7 +53,7 @@ class PtuCommand {
   [[nodiscard]] PtuQuantity quantity() const noexcept { return quantity_; }
 
   /// Writes the command and its delimiter into `into`; returns the bytes written.
-  [[nodiscard]] std::size_t write(PtuDelimiter delimiter, std::span<std::uint8_t> into) const noexcept;
+  [[nodiscard]] std::size_t write(std::span<std::uint8_t> into) const noexcept;
 
  private:
   void append(std::string_view more) noexcept;

@@ -20,9 +20,6 @@ enum class PtuReset : std::uint8_t {
   Always,          ///< at every start-up
 };
 
-/// What ends a command. Every known firmware takes both.
-enum class PtuDelimiter : std::uint8_t { Space, CarriageReturn };
-
 /// Which way an axis counts: Normal is pan positive to the left and tilt positive upwards.
 enum class PtuSense : std::uint8_t { Normal, Reversed };
 
@@ -45,7 +42,6 @@ struct PtuConfig {
   std::uint32_t fast_baud = 0;  ///< changed to after start-up, not saved in the unit; 0: stay
 
   PtuReset reset = PtuReset::IfUnreferenced;
-  PtuDelimiter delimiter = PtuDelimiter::Space;
   PtuPacing pacing = PtuPacing::LineRate;
   PtuSense pan_sense = PtuSense::Normal;
   PtuSense tilt_sense = PtuSense::Normal;

@@ -57,7 +57,7 @@ bool PtuExchange::ready(Stamp now) const noexcept {
 
 bool PtuExchange::send(const PtuCommand& command, Stamp timeout, Stamp now) noexcept {
   std::array<std::uint8_t, kPtuCommandMax> bytes{};
-  const std::size_t size = command.write(config_.delimiter, bytes);
+  const std::size_t size = command.write(bytes);
   if (size == 0 || link_.write(std::span(bytes).first(size)) != LinkStatus::Ok) {
     return false;
   }

@@ -202,13 +202,8 @@ StepKind LwnxScript::compose_settings(Step step, Request& into) noexcept {
         into.if_silent = IfSilent::GoOn;  // firmware before 1.5.0 has no such mode to leave
       }
       return write(into, product_->raw_mode_id, is_raw() ? 1 : 0, 1);
-    case Step::Rate: {
-      if (is_raw()) {
-        return StepKind::Skip;
-      }
-      const std::uint8_t width = config_.rate_width != 0 ? config_.rate_width : product_->rate_width;
-      return write(into, product_->rate_id, rate_.code, width);
-    }
+    case Step::Rate:
+      return is_raw() ? StepKind::Skip : write(into, product_->rate_id, rate_.code, product_->rate_width);
     case Step::Output:
       return is_raw() ? StepKind::Skip : write(into, product_->output_id, product_->output_bits, 4);
     case Step::LostSignal:
@@ -253,9 +248,6 @@ std::string_view LwnxScript::plan(std::uint32_t baud) noexcept {
     return kNotThisMode;
   }
   layout_ = {product_->reading_width, product_->reading_unit_m, product_->fields, product_->strength_field};
-  if (config_.reading_unit_m > 0.0) {
-    layout_.unit_m = config_.reading_unit_m;
-  }
   if (is_mm) {
     layout_.width = 4;
     layout_.unit_m = 0.001;
@@ -440,14 +432,6 @@ tl::expected<std::unique_ptr<Rangefinder>, InitError> make_lwnx_rangefinder(cons
   if (!(config.rate_hz >= 0.1 && config.rate_hz <= 20000.0)) {
     return tl::unexpected(
         InitError{"lightware: rate_hz " + std::to_string(config.rate_hz) + " is outside 0.1 to 20000"});
-  }
-  if (config.rate_width != 0 && config.rate_width != 1 && config.rate_width != 2 && config.rate_width != 4) {
-    return tl::unexpected(InitError{"lightware: rate_width " + std::to_string(config.rate_width) +
-                                    " is none of 0 (by product), 1, 2, 4"});
-  }
-  if (!(config.reading_unit_m >= 0.0 && config.reading_unit_m <= 1.0)) {
-    return tl::unexpected(InitError{"lightware: reading_unit_m " + std::to_string(config.reading_unit_m) +
-                                    " is outside 0 (by product) to 1"});
   }
   return std::unique_ptr<Rangefinder>(std::make_unique<LwnxDriver>(config, link));
 }

@@ -29,9 +29,6 @@ struct LwnxConfig {
   LwnxMode mode = LwnxMode::Readings;
   double rate_hz = 388.0;                ///< the nearest that the product has is set; unused by RawReadings
   std::int32_t lost_signal_counter = 1;  ///< misses until "lost" is said; before that old values repeat
-  std::uint8_t rate_width =
-      0;  ///< bytes of the update rate's value, 1, 2 or 4; 0: as the product's table says
-  double reading_unit_m = 0.0;  ///< of a distance in command 44; 0: as the product's table says
   Stamp reply_patience = std::chrono::milliseconds(200);
 };
 

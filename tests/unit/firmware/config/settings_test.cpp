@@ -83,22 +83,24 @@ const Counted kCounted[] = {
     {"gpio", 2 * member_count<GpioInputSetting>() + 2 * member_count<GpioOutputSetting>() + 1, 2},
     {"head", 3},
     // The driver sets the line rate.
-    {"pan_tilt_port", member_count<hal::SerialConfig>() - 3 + member_count<hal::SerialFormat>() +
-                          member_count<hal::ReopenConfig>(),
+    {"pan_tilt_port",
+     member_count<hal::SerialConfig>() - 3 + member_count<hal::SerialFormat>() +
+         member_count<hal::ReopenConfig>(),
      5},
-    {"rangefinder_port", member_count<hal::SerialConfig>() - 3 + member_count<hal::SerialFormat>() +
-                             member_count<hal::ReopenConfig>(),
+    {"rangefinder_port",
+     member_count<hal::SerialConfig>() - 3 + member_count<hal::SerialFormat>() +
+         member_count<hal::ReopenConfig>(),
      2},
     {"pan_tilt_rs485", member_count<hal::Rs485Config>()},
     {"rangefinder_rs485", member_count<hal::Rs485Config>()},
-    {"ptu", member_count<hal::PtuConfig>(), 10},
+    {"ptu", member_count<hal::PtuConfig>(), 9},
     {"canopen", member_count<hal::CanopenConfig>() - 2, 12},
     {"canopen_pan", member_count<hal::CanopenAxisConfig>()},
     {"canopen_tilt", member_count<hal::CanopenAxisConfig>()},
     {"lwnx",
      member_count<hal::LwnxConfig>() - 1 + member_count<hal::RangeConfig>() - 1 +
          member_count<hal::SampleClockConfig>(),
-     8},
+     6},
     {"benewake",
      member_count<hal::BenewakeConfig>() - 1 + member_count<hal::RangeConfig>() - 1 +
          member_count<hal::SampleClockConfig>(),

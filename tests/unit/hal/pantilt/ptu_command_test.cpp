@@ -8,9 +8,9 @@
 namespace slamsensor::hal {
 namespace {
 
-std::string written(const PtuCommand& command, PtuDelimiter delimiter = PtuDelimiter::Space) {
+std::string written(const PtuCommand& command) {
   std::array<std::uint8_t, kPtuCommandMax> bytes{};
-  const std::size_t size = command.write(delimiter, bytes);
+  const std::size_t size = command.write(bytes);
   return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)};
 }
 
@@ -18,7 +18,7 @@ TEST(PtuCommand, IsWrittenAsTheManualHasIt) {
   EXPECT_EQ(written(PtuCommand("V", PtuExpect::Version)), "V ");
   EXPECT_EQ(written(PtuCommand::target(Axis::Pan, -2500)), "PP-2500 ");
   EXPECT_EQ(written(PtuCommand::target(Axis::Tilt, 604)), "TP604 ");
-  EXPECT_EQ(written(PtuCommand::speed(Axis::Pan, 1000), PtuDelimiter::CarriageReturn), "PS1000\r");
+  EXPECT_EQ(written(PtuCommand::speed(Axis::Pan, 1000)), "PS1000 ");
   EXPECT_EQ(written(PtuCommand::query(Axis::Tilt, PtuQuantity::MinPosition)), "TN ");
   EXPECT_EQ(written(PtuCommand::query(Axis::Pan, PtuQuantity::Resolution)), "PR ");
   EXPECT_EQ(written(PtuCommand::baud(38400)), "@(38400,0,F) ");
@@ -29,7 +29,7 @@ TEST(PtuCommand, IsWrittenAsTheManualHasIt) {
 
 TEST(PtuCommand, DoesNotWriteWhatHasNoRoom) {
   std::array<std::uint8_t, 3> bytes{};
-  EXPECT_EQ(PtuCommand::target(Axis::Pan, 100).write(PtuDelimiter::Space, bytes), 0U);
+  EXPECT_EQ(PtuCommand::target(Axis::Pan, 100).write(bytes), 0U);
 }
 
 TEST(PtuMatch, TakesNumbersForPositionsOnlyWhenWhole) {

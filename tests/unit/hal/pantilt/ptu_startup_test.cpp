@@ -47,14 +47,6 @@ INSTANTIATE_TEST_SUITE_P(All, PtuManners,
                                          Manner{true, true, "\r"}, Manner{false, false, "\r"},
                                          Manner{true, true, "\n"}, Manner{false, false, "\n"}));
 
-TEST(PtuStartup, CommandsMayEndWithACarriageReturn) {
-  hal::PtuConfig config;
-  config.delimiter = hal::PtuDelimiter::CarriageReturn;
-  PtuBench bench(config);
-  ASSERT_TRUE(bench.run_until_ready());
-  expect_set_up(bench);
-}
-
 class PtuRatesFound : public testing::TestWithParam<std::uint32_t> {};
 
 TEST_P(PtuRatesFound, WhereverTheUnitWasLeft) {

@@ -235,9 +235,6 @@ TEST(LwnxConfig, WrongSettingsAreNamed) {
   config = {};
   config.range.range_max_m = -1.0;
   EXPECT_FALSE(make_lwnx_rangefinder(config, link));
-  config = {};
-  config.rate_width = 3;
-  EXPECT_FALSE(make_lwnx_rangefinder(config, link));
 }
 
 TEST(LwnxTiming, ADeviceOffItsRateIsInDoubtUntilItIsNot) {
