@@ -1,4 +1,4 @@
-// The daemon slamsensord: arguments, configuration, and an exit status that tells what was wrong (sysexits).
+// The daemon slamsensord: arguments, configuration, and an exit status that says what was wrong (sysexits).
 #include "firmware/config/layered_config.hpp"
 #include "firmware/daemon/daemon.hpp"
 #include "firmware/status/sensor_status.hpp"

@@ -26,8 +26,8 @@ class Rules {
   /// `what` stands in the message between the value of the first key and those of the others.
   void require(bool holds, std::initializer_list<std::string_view> keys, const std::string& what);
 
-  /// A driver refuses `section` (or one key), for the reason `what`, which is told at the key that it names.
-  /// Left out when a mistake of the section is known already.
+  /// A driver refuses `section` (or one key), for the reason `what`, which is reported at the key that it
+  /// names. Left out when a mistake of the section is known already.
   void refuse_section(std::string_view section, const std::string& what);
 
   [[nodiscard]] const Config& config() const { return loaded_.config; }
@@ -186,7 +186,7 @@ bool is_canopen_id(std::uint32_t id, std::uint32_t node) {
          std::any_of(kOfNode.begin(), kOfNode.end(), [&](std::uint32_t base) { return base + node == id; });
 }
 
-/// Devices on one bus are told apart by their identifiers alone.
+/// Devices on one bus differ by their identifiers alone.
 void check_can_ids(Rules& rules) {
   const HeadConfig& head = rules.config().head;
   const hal::BenewakeCanConfig& can = head.benewake_can;

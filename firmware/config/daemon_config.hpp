@@ -8,7 +8,7 @@ namespace slamsensor::firmware {
 /// What scan and SLAM thread ask of the machine.
 enum class RealtimeMode : std::uint8_t {
   Required,  ///< real-time scheduling and locked memory, or the daemon refuses to start
-  Optional,  ///< as much of it as is granted; the log and the status say what is missing
+  Optional,  ///< as much as is granted; the log and the status say what is missing
   Off,       ///< not asked for
 };
 

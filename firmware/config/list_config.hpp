@@ -21,8 +21,8 @@ namespace slamsensor::firmware {
 /// say) has its bits in a comment of its own.
 [[nodiscard]] std::string config_toml(const Config& config);
 
-/// Lays what config_toml wrote over `onto`: the same values, bit for bit. Mistakes as apply_layer tells them;
-/// a comment with bits that are not those of the decimal above all but for rounding is passed over.
+/// Lays what config_toml wrote over `onto`: the same values, bit for bit. Mistakes as apply_layer reports
+/// them; a comment with bits that are not those of the decimal above all but for rounding is passed over.
 [[nodiscard]] std::vector<ConfigError> apply_config_toml(LoadedConfig& onto, std::string_view toml,
                                                          std::string_view name);
 

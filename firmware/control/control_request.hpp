@@ -40,7 +40,7 @@ namespace slamsensor::firmware {
 //
 // `help` lists the requests (control_verbs). The socket may be used by who may write to it: mode 0660,
 // group of its directory's setgid or else of the daemon. At most kControlClientsMax clients: of more, the one
-// that has been silent longest has to go if it was silent for a second, else the new one is told `ERROR
+// that has been silent longest has to go if it was silent for a second, else the new one gets `ERROR
 // busy`.
 
 /// Longest request, its line end not counted.
@@ -128,7 +128,7 @@ tl::expected<void, ControlError> parse_key(std::string_view& text, ControlReques
 tl::expected<void, ControlError> parse_key_and_value(std::string_view& text, ControlRequest& request);
 tl::expected<void, ControlError> parse_level(std::string_view& text, ControlRequest& request);
 
-/// One request of the protocol: everything that is known of it.
+/// One request of the protocol: everything about it.
 struct ControlVerb {
   std::string_view words;
   std::string_view arguments;  ///< for people; in brackets what may be left out

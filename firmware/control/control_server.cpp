@@ -64,7 +64,7 @@ Occupant occupant_of(const std::string& path, const UnixAddress& address) {
 }
 
 /// Nobody else of this kind looks at the folder while this lives. Where the folder cannot be locked there is
-/// nothing to be had: the binding tells the rest.
+/// nothing to be had: the binding reports the rest.
 FileDescriptor lock_folder(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   FileDescriptor lock(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));

@@ -80,7 +80,7 @@ ControlResult reconfigured(Context& context, const LayeredConfig::Result& result
 ControlReply show_datum(const Context& context) {
   const auto datum = effective(context).datum;
   if (!datum) {
-    return done("no datum: no latitude or longitude is told; datum set LATITUDE LONGITUDE HEIGHT BEARING");
+    return done("no datum: no latitude or longitude is sent; datum set LATITUDE LONGITUDE HEIGHT BEARING");
   }
   ControlReply reply = done(context.config.current().config.datum ? "of the configuration" : "of the map");
   reply.lines = {"latitude_deg: " + real_text(datum->latitude_deg),

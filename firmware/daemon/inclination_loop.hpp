@@ -47,7 +47,7 @@ class InclinationLoop {
   Mailbox<InclinationReport> reports_;
 };
 
-/// The scan thread's end: what the head is to be told of the inclinometer's reports.
+/// The scan thread's end: what the head gets of the inclinometer's reports.
 class InclinationFeed {
  public:
   struct Order {

@@ -21,7 +21,7 @@ namespace slamsensor::firmware {
 enum class MapMode : std::uint8_t { Growing, Frozen };
 
 /// The supervisor's hand on the map: loads it at start, saves it when it has changed, and carries out what
-/// the control socket asks. A map that cannot be read or written is told and never ends the daemon. One
+/// the control socket asks. A map that cannot be read or written is reported and never ends the daemon. One
 /// thread, which waits for the disk but not for the SLAM thread.
 class MapKeeper {
  public:
@@ -30,7 +30,7 @@ class MapKeeper {
     ControlToken token = 0;
     ControlResult result;
   };
-  /// Is told each order that the SLAM thread has carried out, for a recording.
+  /// Gets each order that the SLAM thread has carried out, for a recording.
   using OrderTap = std::function<void(MapCommand, const SlamAnswer&)>;
 
   /// `config`, `threads` and `log` outlive this.
@@ -42,7 +42,7 @@ class MapKeeper {
   [[nodiscard]] std::vector<Answer> step(const OutputTime& now);
   /// Saves what is not saved: before the end, when the SLAM thread has stopped.
   void save_at_end(const OutputTime& now);
-  /// Saves what is not saved, and tells what came of it in the log.
+  /// Saves what is not saved, and logs the result.
   void save_now(const OutputTime& now);
 
   /// The settings have changed; map.frozen counts with the next step.

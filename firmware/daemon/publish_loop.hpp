@@ -29,7 +29,7 @@
 
 namespace slamsensor::firmware {
 
-/// What the publish thread is told by the supervisor, for the status.
+/// What the supervisor gives the publish thread, for the status.
 struct SupervisorFacts {
   hal::FixedText<64> map_name;
   std::optional<hal::Stamp> map_saved;  ///< when the map was last saved or loaded
@@ -39,7 +39,7 @@ struct SupervisorFacts {
   CounterTable counters;            ///< of store and control
 };
 
-/// What publishing needs of the others; all of it outlives the loop.
+/// What publishing needs of the others; everything outlives the loop.
 struct PublishInlets {
   SlamOutlets& slam;
   Mailbox<HeadStatus>& head;

@@ -89,7 +89,7 @@ std::optional<MapKeeper::Answer> RecordingKeeper::settle(const OutputTime& now) 
 ControlResult RecordingKeeper::begin(const OutputTime& now) {
   const std::filesystem::path folder = config_.daemon.record.directory;
   std::error_code ignored;
-  std::filesystem::create_directories(folder, ignored);  // Recorder tells what is wrong with it
+  std::filesystem::create_directories(folder, ignored);  // Recorder reports what is wrong with it
   const std::filesystem::path path = folder / (name_ + ".lcm");
   auto recorder =
       Recorder::create({.path = path, .bytes_max = config_.daemon.record.size_max_mb * kMegabyte});

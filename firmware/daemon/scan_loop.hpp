@@ -59,7 +59,7 @@ struct ScanOrders {
   std::atomic<ScanMode> mode{ScanMode::Continuous};
 };
 
-/// From bytes to scanlines: the body of the scan thread. What the head is told beside the devices' bytes goes
+/// From bytes to scanlines: the body of the scan thread. What the head gets beside the devices' bytes goes
 /// onto the tape too, when there is one. No allocation after construction, no lock, no clock;
 /// one thread.
 class ScanLoop {
@@ -68,7 +68,7 @@ class ScanLoop {
   ScanLoop(HeadRuntime& head, GpioInputs* panel, ScanOrders& orders, ScanQueue& queue, Wakeup& slam,
            Mailbox<HeadStatus>& status);
 
-  /// The head is told what comes from `reports`, which outlives this. Before the first step().
+  /// The head gets what comes from `reports`, which outlives this. Before the first step().
   void read_inclination(Mailbox<InclinationReport>& reports, hal::Stamp max_age) noexcept {
     inclination_.emplace(reports, max_age);
   }

@@ -24,7 +24,7 @@
 
 namespace slamsensor::firmware {
 
-/// What the SLAM thread is told to do with its maps, between two scans.
+/// What the SLAM thread is asked to do with its maps, between two scans.
 struct SlamOrder {
   MapCommand kind = MapCommand::Reset;
   core::MapState state;  ///< of a Restore; what it points to stays until the order is answered

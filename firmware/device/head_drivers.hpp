@@ -55,7 +55,7 @@ struct OwnedInclinometer {
 };
 
 /// The inclinometer that `source` asks for, with no device in it for None and Fixed. A device that is not
-/// there is no error. The error tells what is wrong with the section [inclination].
+/// there is no error. The error says what is wrong with the section [inclination].
 [[nodiscard]] tl::expected<OwnedInclinometer, hal::InitError> open_inclinometer(const HeadConfig& config,
                                                                                 InclinationSource source);
 

@@ -176,7 +176,7 @@ hal::Stamp GpioOutputs::next_change(hal::Stamp now) const noexcept {
   return next;
 }
 
-/// Tells a line only what it was not told yet.
+/// Sets a line only when its level changes.
 void GpioOutputs::set(hal::GpioOutput* line, hal::GpioLevel level, GpioOutputEvent failure) noexcept {
   if (line != nullptr && line->level() != level && line->set(level) == hal::GpioStatus::Failed) {
     counters_.count(failure);

@@ -44,7 +44,7 @@ class GpioInputs {
   explicit GpioInputs(GpioInputLines lines) noexcept;
 
   /// What the lines ask for at `now`. An interlock that was opened and closed again since the last poll is
-  /// told as open once, so that the scan under way ends.
+  /// reported as open once, so that the scan under way ends.
   [[nodiscard]] GpioOrders poll(hal::Stamp now) noexcept;
 
   [[nodiscard]] std::span<const hal::Counter> counters() const noexcept { return counters_.all(); }

@@ -98,8 +98,8 @@ constexpr hal::ReopenConfig kReopen{.first = std::chrono::seconds(1), .longest =
 constexpr std::string_view kNoRoute =
     "no route for multicast; start slamsensor-multicast-route.service or: ip route add 224.0.0.0/4 dev IFACE";
 
-// 0 when a datagram to the group would find a way, else why not (errno). liblcm finds out the same, but tells
-// only the standard error output.
+// 0 when a datagram to the group would find a way, else why not (errno). liblcm finds out the same, but
+// reports only the standard error output.
 int find_route(const sockaddr_in& group) noexcept {
   const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (fd < 0) {

@@ -40,7 +40,7 @@ struct LcmUrl {
 [[nodiscard]] tl::expected<LcmUrl, hal::InitError> resolve_lcm_url(std::string_view configured,
                                                                    const char* environment);
 
-/// Is told every LCM message that the sensor publishes, in order, whether the network took it or not: a
+/// Gets every LCM message that the sensor publishes, in order, whether the network took it or not: a
 /// recording hears the same without a network.
 class MessageTap {
  public:

@@ -67,7 +67,7 @@ struct PositionError {
 /// Where the scans come from: a sensor head, or a recording or an emulator (GGA quality 8, RMC mode S).
 enum class NmeaMode : std::uint8_t { Live, Simulated };
 
-/// When an epoch is: its own time, which all of its sentences carry, and how old the scan is that it tells
+/// When an epoch is: its own time, which all of its sentences carry, and how old the scan is that it reports
 /// of.
 struct NmeaMoment {
   std::chrono::nanoseconds utc{0};                 ///< since 1970-01-01

@@ -137,7 +137,7 @@ hal::Stamp EpochPlanner::wait(const OutputTime& now, EpochNews news) const noexc
   return wait;
 }
 
-core::Fix told_fix(const SensorStatus& status, hal::Stamp now) noexcept {
+core::Fix shown_fix(const SensorStatus& status, hal::Stamp now) noexcept {
   core::Fix fix = status.report.fix;
   const bool is_old = now - status.report.monotonic > kReportAgeMax;
   if (fix.status != core::FixStatus::NoFix && (is_old || !agrees(status.state, fix.status))) {
@@ -176,29 +176,29 @@ void NmeaPublisher::step(const OutputTime& now, const SensorStatus& status) noex
   for (EpochSink* const sink : sinks()) {
     sink->step(now.monotonic);
   }
-  const core::Fix told = told_fix(status, now.monotonic);
-  const bool is_new = told.status != last_status_ || told.time.end_monotonic != last_scan_;
+  const core::Fix shown = shown_fix(status, now.monotonic);
+  const bool is_new = shown.status != last_status_ || shown.time.end_monotonic != last_scan_;
   news_ = is_new && config_.nmea.prompt ? EpochNews::Waiting : EpochNews::None;
   mode_ = status.report.source == SourceMode::Live ? NmeaMode::Live : NmeaMode::Simulated;
   const std::uint64_t steps = planner_.clock_steps();
   const std::optional<PlannedEpoch> epoch = planner_.next(now, news_);
   counters_.count(NmeaEvent::ClockSteps, planner_.clock_steps() - steps);
   if (epoch) {
-    write(told, *epoch, now);
+    write(shown, *epoch, now);
   }
 }
 
-void NmeaPublisher::write(const core::Fix& told, const PlannedEpoch& epoch, const OutputTime& now) noexcept {
+void NmeaPublisher::write(const core::Fix& shown, const PlannedEpoch& epoch, const OutputTime& now) noexcept {
   NmeaContext context = nmea_context(config_.nmea, geo_ ? &*geo_ : nullptr, mode_);
   context.zda = context.zda && epoch.begins_second;
-  context.moment = NmeaMoment{epoch.utc, scan_age(told.time, epoch, now)};
-  const std::size_t size = format_nmea(told, context, bytes_);
+  context.moment = NmeaMoment{epoch.utc, scan_age(shown.time, epoch, now)};
+  const std::size_t size = format_nmea(shown, context, bytes_);
   for (EpochSink* const sink : sinks()) {
     sink->send(std::span<const char>(bytes_).first(size), now);
   }
   news_ = EpochNews::None;
-  last_status_ = told.status;
-  last_scan_ = told.time.end_monotonic;
+  last_status_ = shown.status;
+  last_scan_ = shown.time.end_monotonic;
   counters_.count(NmeaEvent::Epochs);
   counters_.count(NmeaEvent::Prompt, epoch.kind == EpochKind::Prompt ? 1 : 0);
   counters_.count(NmeaEvent::Missed, epoch.missed);

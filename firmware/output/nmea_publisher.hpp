@@ -82,10 +82,10 @@ struct NmeaPublisherConfig {
   std::optional<Datum> datum;
 };
 
-/// The fix that an epoch at `now` tells of: that of `status`, but no fix when the sensor does not stand as
-/// the fix says (a position is told in the state Fixed alone), or when the report is older than 5 s, because
+/// The fix that an epoch at `now` shows: that of `status`, but no fix when the sensor does not stand as
+/// the fix says (a position is shown in the state Fixed alone), or when the report is older than 5 s, because
 /// nobody is there any more to withdraw it.
-[[nodiscard]] core::Fix told_fix(const SensorStatus& status, hal::Stamp now) noexcept;
+[[nodiscard]] core::Fix shown_fix(const SensorStatus& status, hal::Stamp now) noexcept;
 
 enum class NmeaEvent : std::uint8_t {
   Epochs,      ///< written, regular and prompt
@@ -96,7 +96,7 @@ enum class NmeaEvent : std::uint8_t {
 
 /// Writes the sensor's NMEA 0183 stream into its sinks (DESIGN 4).
 ///
-/// Every epoch tells how the sensor stands at that moment. Between two scans that is the place of the last
+/// Every epoch shows how the sensor stands at that moment. Between two scans that is the place of the last
 /// fix, with the epoch's own time in every sentence, for that is where the sensor was found to be; how old
 /// the scan is stands in the last field of PSLMA. As soon as the fix is stale, withdrawn by a scan without
 /// one, or the devices are lost or held, the next epoch says that there is none. The answer of a scan, and
@@ -123,7 +123,7 @@ class NmeaPublisher {
   /// when there is a new answer of a scan. `now` never decreases on the monotonic clock.
   void step(const OutputTime& now, const SensorStatus& status) noexcept;
 
-  /// How long until step() has something to do that no poll_on() tells of; at most 100 ms.
+  /// How long until step() has something to do that no poll_on() waits for; at most 100 ms.
   [[nodiscard]] hal::Stamp wait(const OutputTime& now) const noexcept;
 
   /// As EpochSink::poll_on, of all sinks.
@@ -137,7 +137,7 @@ class NmeaPublisher {
 
  private:
   [[nodiscard]] std::span<EpochSink* const> sinks() const noexcept { return {sinks_.data(), sink_count_}; }
-  void write(const core::Fix& told, const PlannedEpoch& epoch, const OutputTime& now) noexcept;
+  void write(const core::Fix& shown, const PlannedEpoch& epoch, const OutputTime& now) noexcept;
 
   NmeaPublisherConfig config_;
   std::optional<GeoReference> geo_;
@@ -146,8 +146,8 @@ class NmeaPublisher {
   std::size_t sink_count_ = 0;
   EpochNews news_ = EpochNews::None;
   NmeaMode mode_ = NmeaMode::Live;
-  core::FixStatus last_status_ = core::FixStatus::NoFix;  ///< that an epoch told
-  hal::Stamp last_scan_{};                                ///< end of the scan that an epoch told of
+  core::FixStatus last_status_ = core::FixStatus::NoFix;  ///< that an epoch showed
+  hal::Stamp last_scan_{};                                ///< end of the scan that an epoch showed
   std::array<char, kNmeaEpochBytesMax> bytes_{};
   hal::Counters<NmeaEvent, 4> counters_;
 };

@@ -23,10 +23,10 @@ enum class MapCommand : std::uint8_t {
   Freeze,
   Unfreeze,
   Restore,     ///< go on from a map that was saved
-  DropRivals,  ///< go on with the home map alone, as after a Restore of it; never recorded
+  DropRivals,  ///< go on with the home map alone, as after its Restore; never recorded
 };
 
-/// What the map was told on command while a recording ran, and before which scan that took effect.
+/// A command to the map while a recording ran, and before which scan that took effect.
 struct MapOrder {
   MapCommand kind = MapCommand::Reset;
   std::uint32_t scan = 0;  ///< scans localised before, since the start of the recording

@@ -29,11 +29,11 @@ struct RecorderConfig {
 enum class RecorderState : std::uint8_t {
   Recording,
   Full,    ///< the largest size is reached: what is in the file is whole
-  Failed,  ///< the disk refused: likewise
+  Failed,  ///< the disk refused; the recording has ended
   Closed,
 };
 
-/// Writes a recording: an LCM event log of all that a run began with, was told by its devices, and said. Any
+/// Writes a recording: an LCM event log of all that a run began with, got from its devices, and sent. Any
 /// program that reads such logs can read it; `slamsensor replay` does the run again from it. One thread,
 /// which may have to wait for the disk.
 ///

@@ -11,8 +11,8 @@
 
 namespace slamsensor::firmware {
 
-/// A tape holds everything that the drivers and the scan scheduler were told by the outer world, in the order
-/// in which they were told: each call of step() with its time, each call of a link with its result, each
+/// A tape holds everything that the drivers and the scan scheduler got from the outer world, in the order
+/// in which they got it: each call of step() with its time, each call of a link with its result, each
 /// command. Drivers that are made anew and given the same answers again do the same again, bit for bit.
 ///
 /// An operation is one byte, `TapeOp` in the upper four bits and the number of the link in the lower four,

@@ -10,7 +10,7 @@ constexpr std::size_t kNumbersMax = 4;
 constexpr std::size_t kHeadBytesMax = 1 + kNumbersMax * kNumberBytesMax;
 constexpr std::size_t kEndBytes = 1;
 
-// A loss is told at the start of a chunk, before the operation that begins it.
+// A loss is noted at the start of a chunk, before the operation that begins it.
 static_assert(2 * kHeadBytesMax + kTapeBytesMax + kEndBytes <= kTapeChunkBytes);
 
 constexpr HeadLink kNoLink{};

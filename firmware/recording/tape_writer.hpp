@@ -12,7 +12,7 @@
 namespace slamsensor::firmware {
 
 /// Writes one tape, chunk by chunk, into a sink. Its memory is taken at construction. A chunk that the sink
-/// refuses is lost, counted, and told at the start of the next one. One thread.
+/// refuses is lost, counted, and noted at the start of the next one. One thread.
 class TapeWriter {
  public:
   /// `sink` outlives the writer.
@@ -35,7 +35,7 @@ class TapeWriter {
   void can_receive(HeadLink link, const hal::CanRead& result) noexcept;
   void can_send(HeadLink link, hal::LinkStatus status, const hal::CanFrame& frame) noexcept;
 
-  /// `what` is told to the scan head between the step before and the next.
+  /// `what` is given to the scan head between the step before and the next.
   void command(TapeCommand what, std::uint64_t argument = 0) noexcept;
 
   /// Ends the tape and hands its last chunk out; false when the sink has no room: try again. Nothing may be

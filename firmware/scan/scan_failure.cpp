@@ -90,9 +90,9 @@ std::string_view seen_in(core::LineRejection why) noexcept {
     case core::LineRejection::LinesTiltMoved:
       return "a tilt axis that did not rest; check its load, its motor's supply and its brake";
     case core::LineRejection::LinesWrongSpeed:
-      return "a pan axis that did not go at the speed it was told; check its load and its motor's supply";
+      return "a pan axis that did not go at the speed that was set; check its load and its motor's supply";
     default:
-      return "a pan axis that did not move as it was told; check what it rubs on, its load and its supply";
+      return "a pan axis that did not move as commanded; check what it rubs on, its load and its supply";
   }
 }
 

@@ -13,8 +13,8 @@ namespace slamsensor::firmware {
 
 /// What stands against a plan. Each names the limit that it meets.
 enum class PlanLimit : std::uint8_t {
-  PanResolution,    ///< the unit tells no pan resolution
-  TiltResolution,   ///< the unit tells no tilt resolution
+  PanResolution,    ///< the unit reports no pan resolution
+  TiltResolution,   ///< the unit reports no tilt resolution
   PanRange,         ///< the unit's pan limits leave nothing to sweep
   TiltRange,        ///< the unit's tilt limits leave no scanline
   TiltStep,         ///< the step is less than half a position of the tilt axis

@@ -12,7 +12,7 @@ namespace {
 constexpr std::array<std::string_view, kHoldReasons> kHolds = {
     "the laser interlock is open or cannot be read; close it to scan",
     "paused on command; resume to scan",
-    "the inclinometer does not tell how the sensor leans; check it, or set inclination.source",
+    "the inclinometer does not report how the sensor leans; check it, or set inclination.source",
     "the sensor leans by more than inclination.max_lean_deg; set it upright",
 };
 
@@ -36,7 +36,7 @@ std::string_view describe(HoldReason reason) noexcept {
 
 namespace {
 
-constexpr double kThereSteps = 0.75;  // a whole position is told as itself
+constexpr double kThereSteps = 0.75;  // a whole position is reported as itself
 
 bool is_at(const hal::AxisStatus& status, double target_rad, double resolution_rad) noexcept {
   return std::abs(status.position_rad - target_rad) <= kThereSteps * resolution_rad;

@@ -41,7 +41,7 @@ inline constexpr std::array<std::string_view, kScanAborts> kScanAbortNames = {
 enum class ScanDoubt : std::uint8_t {
   Device,          ///< a device's samples cannot be timed: hal::Device::timing_doubt()
   PositionsLoose,  ///< the pan was known too loosely for its speed in too many lines
-  LatencyUnknown,  ///< it was so because nothing has told the latency between the devices yet
+  LatencyUnknown,  ///< it was so because nothing has shown the latency between the devices yet
   OtherLatency,    ///< what the lines saw shows another latency than is known
 };
 inline constexpr std::size_t kScanDoubts = 4;
@@ -54,7 +54,7 @@ inline constexpr std::size_t kScanDoubts = 4;
 enum class HoldReason : std::uint8_t {
   InterlockOpen,  ///< the laser interlock is open, or cannot be read
   Paused,         ///< on command
-  LeanUnknown,    ///< the inclinometer has told nothing, or nothing for too long
+  LeanUnknown,    ///< the inclinometer has reported nothing, or nothing for too long
   LeansTooFar,    ///< the sensor leans by more than it may
 };
 inline constexpr std::size_t kHoldReasons = 4;
@@ -159,7 +159,7 @@ struct SchedulerGates {
 /// line; before the first scan the same at one tilt for the latency. A pass is given up for a ScanAbort, the
 /// unit is halted, and it is begun again after `retry_s` (after a hold: at once), when both devices are
 /// Ready, their timing is not in doubt, and nothing holds it. The plan is made anew for each pass, from what
-/// the unit tells then. No clock, no allocation; one thread.
+/// the unit reports then. No clock, no allocation; one thread.
 class ScanScheduler {
  public:
   /// Both devices outlive this and are stepped by the caller.

@@ -112,11 +112,12 @@ bool SensorHead::is_timing_in_doubt() const noexcept {
   return !pan_tilt_.timing_doubt().empty() || !rangefinder_.timing_doubt().empty();
 }
 
-void SensorHead::incline(const core::Attitude& told) noexcept {
-  if (!levelling_.has_inclinometer() || !std::isfinite(told.roll_rad) || !std::isfinite(told.pitch_rad)) {
+void SensorHead::incline(const core::Attitude& reported) noexcept {
+  if (!levelling_.has_inclinometer() || !std::isfinite(reported.roll_rad) ||
+      !std::isfinite(reported.pitch_rad)) {
     return;
   }
-  attitude_ = core::without_offset(told, levelling_.offset);
+  attitude_ = core::without_offset(reported, levelling_.offset);
   scheduler_.release(HoldReason::LeanUnknown);
   if (core::lean_rad(*attitude_) > levelling_.max_lean_rad) {
     scheduler_.hold(HoldReason::LeansTooFar);

@@ -89,12 +89,12 @@ class SensorHead {
   void hold(HoldReason reason) noexcept { scheduler_.hold(reason); }
   void release(HoldReason reason) noexcept { scheduler_.release(reason); }
 
-  /// The inclinometer tells this attitude of itself. Only with LevellingConfig::has_inclinometer(); one that
+  /// The inclinometer reports this attitude. Only with LevellingConfig::has_inclinometer(); one that
   /// is not finite is passed over. Until the first one the head is held (HoldReason::LeanUnknown), and again
   /// whenever the caller holds it for that reason.
-  void incline(const core::Attitude& told) noexcept;
+  void incline(const core::Attitude& reported) noexcept;
 
-  /// How the sensor leans, as it was told last; nothing before that, and when it is not asked for.
+  /// How the sensor leans, as it was reported last; nothing before that, and when it is not asked for.
   [[nodiscard]] std::optional<core::Attitude> attitude() const noexcept { return attitude_; }
 
   /// What keeps it from scanning, for a person; empty when nothing does. Valid until the next step().

@@ -45,7 +45,7 @@ class DeviceWatch {
   hal::Stamp last_recovery_{};
 };
 
-/// Tells from the last fix, the state of the devices and the time how the sensor stands, and makes the one
+/// Decides from the last fix, the state of the devices and the time how the sensor stands, and makes the one
 /// report that all outputs write. No clock; one thread.
 ///
 ///   Starting   the devices have not all answered since start

@@ -127,7 +127,7 @@ class StatusLogger {
 
   std::array<Device, 3> devices_;
   std::string head_problem_;
-  hal::Stamp failure_due_{};  // when a head that goes on failing is told again
+  hal::Stamp failure_due_{};  // when a head that goes on failing is reported again
   bool is_failing_ = false;
   SensorState state_ = SensorState::Starting;
   core::FixReason reason_ = core::FixReason::None;

@@ -85,9 +85,9 @@ class Log {
   /// Lines that could not be written.
   [[nodiscard]] std::uint64_t lost();
 
-  /// Tells of repetitions whose minute is over; the main thread calls it about once a second.
+  /// Logs the repetitions whose minute is over; the main thread calls it about once a second.
   void tick();
-  /// Tells of all repetitions; before the end.
+  /// Logs all repetitions; before the end.
   void flush();
 
  private:

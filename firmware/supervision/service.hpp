@@ -58,8 +58,8 @@ class Heartbeats {
   std::size_t size_ = 0;
 };
 
-/// Tells the service manager how the daemon stands (sd_notify(3): datagrams to the socket of NOTIFY_SOCKET).
-/// Without a service manager everything here does nothing. Never waits. One thread.
+/// Reports to the service manager how the daemon stands (sd_notify(3): datagrams to the socket of
+/// NOTIFY_SOCKET). Without a service manager everything here does nothing. Never waits. One thread.
 class ServiceNotifier {
  public:
   /// As the environment says: NOTIFY_SOCKET, WATCHDOG_USEC and WATCHDOG_PID (sd_watchdog_enabled(3)).

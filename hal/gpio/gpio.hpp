@@ -48,7 +48,7 @@ class GpioInput {
   [[nodiscard]] virtual std::span<const Counter> counters() const noexcept = 0;
 };
 
-/// Whether a line took what it was told.
+/// Whether a line took its level.
 enum class GpioStatus : std::uint8_t { Ok, Failed };
 
 /// An output line. No waiting. One thread.
@@ -62,7 +62,7 @@ class GpioOutput {
   /// Failed, and the line as it was, when its chip is gone.
   virtual GpioStatus set(GpioLevel level) noexcept = 0;
 
-  /// What the line was told last.
+  /// The level that was set last.
   [[nodiscard]] virtual GpioLevel level() const noexcept = 0;
 };
 

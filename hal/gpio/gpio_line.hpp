@@ -63,7 +63,7 @@ class GpioLine {
   [[nodiscard]] std::optional<GpioLevel> get() noexcept;
   [[nodiscard]] GpioStatus set(GpioLevel level) noexcept;
 
-  /// Takes the oldest edge, with the kernel's time of it on CLOCK_MONOTONIC (Linux 5.7 and later); nothing
+  /// Takes the oldest edge, with the kernel's time on CLOCK_MONOTONIC (Linux 5.7 and later); nothing
   /// when there is none. Only of a line whose edges were asked for.
   [[nodiscard]] std::optional<GpioEvent> read() noexcept;
 

@@ -225,7 +225,7 @@ void Cia410Inclinometer::on_long(const SdoResult& result, Stamp now) noexcept {
     width_ = Width::Bits16;
     counters_.count(CanopenEvent::Restarts);
   } else {
-    fail(DeviceState::Faulted, "it refuses to tell its longitudinal slope", "its manual says why", now);
+    fail(DeviceState::Faulted, "it refuses to report its longitudinal slope", "its manual says why", now);
   }
 }
 
@@ -233,7 +233,7 @@ void Cia410Inclinometer::on_lateral(const SdoResult& result, Stamp now) noexcept
   if (result.outcome == SdoOutcome::Done) {
     measure(result, now);
   } else {
-    fail(DeviceState::Faulted, "it tells no lateral slope", "take an inclinometer of two axes", now);
+    fail(DeviceState::Faulted, "it reports no lateral slope", "take an inclinometer of two axes", now);
   }
 }
 
@@ -245,7 +245,7 @@ void Cia410Inclinometer::measure(const SdoResult& lateral, Stamp now) noexcept {
   if (std::abs(long_rad_) > kSlopeMax_rad || std::abs(lateral_rad) > kSlopeMax_rad ||
       z_squared < kUpMin * kUpMin) {
     counters_.count(CanopenEvent::FramesMalformed);
-    fail(DeviceState::Faulted, "it tells slopes that cannot be",
+    fail(DeviceState::Faulted, "it reports slopes that cannot be",
          "it leans beyond its range, or is mounted on a side", now);
     return;
   }

@@ -31,7 +31,7 @@ struct Cia410Config {
 /// slopes again and again by SDO: the 32-bit ones (6110h, 6120h) where the node has them, else those of 16
 /// bits (6010h, 6020h). A slope is the angle of one axis of the node to the horizontal.
 ///
-/// Nothing of the node is set; it is started by NMT once it has told what it is. It is begun again after a
+/// Nothing of the node is set; it is started by NMT once it has said what it is. It is begun again after a
 /// boot-up message, an emergency message that reports an error, or silence.
 class Cia410Inclinometer final : public Inclinometer {
  public:

@@ -271,7 +271,7 @@ std::optional<IioAccelerometer::Vector> IioAccelerometer::read() noexcept {
     const auto raw = parse_iio_number(content.text());
     if (!raw) {
       counters_.count(IioEvent::NumbersMalformed);
-      fail(DeviceState::Faulted, "tells an acceleration that is no number", 0, "check its driver");
+      fail(DeviceState::Faulted, "reports an acceleration that is no number", 0, "check its driver");
       return std::nullopt;
     }
     own[i] = (*raw + axes_[i].offset) * axes_[i].scale;

@@ -11,7 +11,7 @@ namespace slamsensor::hal {
 
 /// How an inclinometer leans. Its axes: x forward, y left, z up (REP 103). Both angles are right-handed, roll
 /// about x (positive: left side up), pitch about y (positive: front down), in the order that
-/// core/attitude.hpp tells.
+/// core/attitude.hpp defines.
 struct Inclination {
   Stamp stamp{};  ///< middle of the measurement
   double roll_rad = 0.0;
@@ -23,7 +23,7 @@ struct Inclination {
   return {stamp, std::atan2(y, z), std::atan2(-x, std::hypot(y, z))};
 }
 
-/// A device that tells how it leans while it rests.
+/// A device that measures how it leans while it rests.
 class Inclinometer : public Device {
  public:
   /// What was measured since the last call, the newest; nothing when nothing was.

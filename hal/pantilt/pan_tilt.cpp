@@ -18,8 +18,8 @@ MotionProfile::MotionProfile(double start_rad, double target_rad, double speed_r
     return;
   }
   if (speed_radps <= dynamics.base_speed_radps || !(acceleration_radps2_ > 0.0)) {
-    // Without a ramp there is no way to more than the base speed; a unit that tells no base speed cruises at
-    // once.
+    // Without a ramp there is no way to more than the base speed; a unit that reports no base speed cruises
+    // at once.
     cruise_radps_ = dynamics.base_speed_radps > 0.0 ? base_radps_ : speed_radps;
     base_radps_ = cruise_radps_;
     cruise_s_ = length_rad_ / cruise_radps_;

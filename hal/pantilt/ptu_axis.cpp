@@ -52,21 +52,21 @@ void PtuInquiry::answer(double value) noexcept {
 }
 
 std::optional<PtuAxisFacts> PtuInquiry::facts(Axis axis) const noexcept {
-  const double* const told = values_.data() + (axis == Axis::Pan ? 0 : kPerAxis);
+  const double* const values = values_.data() + (axis == Axis::Pan ? 0 : kPerAxis);
   for (std::size_t i = 1; i + 1 < kPerAxis; ++i) {
-    if (!is_whole(told[i])) {
+    if (!is_whole(values[i])) {
       return std::nullopt;
     }
   }
-  const double resolution_deg = told[0] / kArcsecPerDegree;
+  const double resolution_deg = values[0] / kArcsecPerDegree;
   PtuAxisFacts facts;
   facts.position_rad = resolution_deg * std::numbers::pi / 180.0;
-  facts.min_position = static_cast<std::int32_t>(told[1]);
-  facts.max_position = static_cast<std::int32_t>(told[2]);
-  facts.speed_min_ps = static_cast<std::int32_t>(told[3]);
-  facts.speed_max_ps = static_cast<std::int32_t>(told[4]);
-  facts.base_speed_ps = static_cast<std::int32_t>(told[5]);
-  facts.acceleration_ps2 = told[6];
+  facts.min_position = static_cast<std::int32_t>(values[1]);
+  facts.max_position = static_cast<std::int32_t>(values[2]);
+  facts.speed_min_ps = static_cast<std::int32_t>(values[3]);
+  facts.speed_max_ps = static_cast<std::int32_t>(values[4]);
+  facts.base_speed_ps = static_cast<std::int32_t>(values[5]);
+  facts.acceleration_ps2 = values[6];
   return done() && possible(facts, resolution_deg) ? std::optional(facts) : std::nullopt;
 }
 

@@ -14,7 +14,7 @@
 
 namespace slamsensor::hal {
 
-/// What a unit tells of one axis, in its own units.
+/// What a unit reports of one axis, in its own units.
 struct PtuAxisFacts {
   std::int32_t min_position = 0;
   std::int32_t max_position = 0;
@@ -25,7 +25,7 @@ struct PtuAxisFacts {
   double position_rad = 0.0;      ///< of one position, positive
 };
 
-/// Asks a unit for everything that must not be assumed of it. Each question is put until two answers in a row
+/// Asks a unit for everything that must not be assumed. Each question is put until two answers in a row
 /// are the same, so that neither a lost digit nor a reply out of step becomes a fact.
 class PtuInquiry {
  public:
@@ -66,7 +66,7 @@ class PtuAxis {
   PtuAxis(Axis axis, const PtuConfig& config, PtuCounters& counters, PtuSamples& samples) noexcept
       : axis_(axis), config_(config), counters_(counters), samples_(samples) {}
 
-  /// The axis rests at `position` of a unit that tells `facts`.
+  /// The axis rests at `position` of a unit that reports `facts`.
   void set_up(const PtuAxisFacts& facts, std::int32_t position, Stamp now) noexcept;
 
   /// The unit is lost: no move, no position.

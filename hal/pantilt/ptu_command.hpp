@@ -18,7 +18,7 @@ enum class PtuExpect : std::uint8_t {
   Setting,   ///< `*`, and words where the firmware likes to say what it did
   Position,  ///< a whole number, or a sentence with the position of the axis
   Number,    ///< a number, or a sentence with the quantity of the axis
-  Version,   ///< words that are no number: the marker that tells which reply belongs to what
+  Version,   ///< words that are no number: the marker that shows which reply belongs to what
 };
 
 /// One command as it goes on the line, and what its answer must look like (PTU-D46 User's Manual, "Command

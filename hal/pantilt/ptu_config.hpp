@@ -15,7 +15,7 @@ namespace slamsensor::hal {
 /// When a start-up sends `R`, which drives both axes into their stops to find the zero.
 enum class PtuReset : std::uint8_t {
   Never,
-  IfUnreferenced,  ///< the unit tells impossible limits, stands outside them, or refuses a move with "Axis
+  IfUnreferenced,  ///< the unit reports impossible limits, stands outside them, or refuses a move with "Axis
                    ///< Error"
   Always,          ///< at every start-up
 };

@@ -23,7 +23,7 @@ namespace slamsensor::hal {
 /// its reply to the next command (or, on a resting axis, for the drain time).
 class PtuDriver final : public PanTilt {
  public:
-  /// A driver that starts up at its first step(). Refuses a configuration out of the bounds told in
+  /// A driver that starts up at its first step(). Refuses a configuration out of the bounds given in
   /// PtuConfig. `link` outlives the driver.
   [[nodiscard]] static tl::expected<std::unique_ptr<PtuDriver>, InitError> create(const PtuConfig& config,
                                                                                   ByteLink& link);

@@ -107,7 +107,7 @@ class PtuFinder {
   PtuCounters& counters_;
   PtuExchange& exchange_;
   PtuRates rates_;
-  FixedText<kPtuLineMax> version_;  // as told before
+  FixedText<kPtuLineMax> version_;  // as reported before
   Phase phase_ = Phase::Wake;
   std::string_view problem_;
   Stamp wait_until_{};

@@ -42,8 +42,8 @@ inline constexpr std::size_t kPtuLineMax = 200;
 /// Cuts what the unit sends into lines ended by CR, LF or both. Takes any byte.
 class PtuReplyParser {
  public:
-  /// The line that `byte`, stamped `stamp`, completes. A line with nothing but marks is told as Success only
-  /// if it has its `*`, else as Garbled with an empty payload; lines without anything are skipped.
+  /// The line that `byte`, stamped `stamp`, completes. A line with nothing but marks is returned as Success
+  /// only if it has its `*`, else as Garbled with an empty payload; lines without anything are skipped.
   [[nodiscard]] std::optional<PtuLine> push(std::uint8_t byte, Stamp stamp) noexcept;
 
   /// Forgets an unfinished line.

@@ -38,7 +38,7 @@ constexpr std::string_view kSettingUp = "pan-tilt unit: setting it up";
 constexpr std::string_view kRestless =
     "pan-tilt unit: it does not come to rest; check that nothing else commands it";
 constexpr std::string_view kImpossible =
-    "pan-tilt unit: it tells impossible limits, speeds or resolution; reset it, or allow reset at start";
+    "pan-tilt unit: it reports impossible limits, speeds or resolution; reset it, or allow reset at start";
 constexpr std::string_view kResetFailed =
     "pan-tilt unit: its reset failed; check that both axes turn freely and its supply voltage";
 

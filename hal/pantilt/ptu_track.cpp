@@ -134,8 +134,8 @@ PtuJudgement PtuTrack::judge_roaming(const PtuSighting& sighting) noexcept {
   return judgement;
 }
 
-/// How long after its profile the axis must have been, to be where it was seen: a position is told whole, so
-/// one either side.
+/// How long after its profile the axis must have been, to be where it was seen: a position is reported whole,
+/// so one either side.
 std::optional<PtuTrack::Lag> PtuTrack::lag_of(const PtuSighting& sighting) const noexcept {
   const std::int32_t ahead = way_.target < way_.start ? -1 : 1;
   const std::int32_t length = (way_.target - way_.start) * ahead;

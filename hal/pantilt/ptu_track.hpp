@@ -8,7 +8,7 @@
 
 namespace slamsensor::hal {
 
-/// A position as the unit told it: the axis was there within stamp - half_width and stamp + half_width.
+/// A position as the unit reported it: the axis was there within stamp - half_width and stamp + half_width.
 struct PtuSighting {
   Stamp stamp{};
   Stamp half_width{};
@@ -31,7 +31,7 @@ struct PtuJudgement {
 
 /// What the driver knows of where an axis must be, against which reported positions are judged. A terse
 /// position has no check sum: a lost digit or sign leaves a number as good as any. So a resting axis must
-/// tell its place exactly, and a moving one must lag behind its profile by the same time from poll to poll,
+/// report its place exactly, and a moving one must lag behind its profile by the same time from poll to poll,
 /// within what the stamps allow.
 class PtuTrack {
  public:
@@ -52,7 +52,8 @@ class PtuTrack {
   };
   void follow(const Way& way) noexcept;
 
-  /// The axis is under way on a course that is not known; it rests when it tells the same place three times.
+  /// The axis is under way on a course that is not known; it rests when it reports the same place three
+  /// times.
   void roam() noexcept;
 
   [[nodiscard]] PtuJudgement judge(const PtuSighting& sighting) noexcept;

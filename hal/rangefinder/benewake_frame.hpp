@@ -34,7 +34,7 @@ struct BenewakeProduct {
   double rate_max_hz = 1000.0;
   double weak_below = 0.0;  ///< strength
   std::span<const RangeCode> codes{};
-  bool has_reliability = false;  ///< byte 6 tells 7 or 8 for a distance to be trusted
+  bool has_reliability = false;  ///< byte 6 is 7 or 8 for a distance to be trusted
 };
 
 [[nodiscard]] const BenewakeProduct& benewake_product(BenewakeModel model) noexcept;
@@ -46,7 +46,7 @@ struct BenewakeReading {
   std::uint8_t reliability = 0;
 };
 
-/// A reading as a measurement: codes and `over_range_cm` (0: none) told apart from distances, then judged().
+/// A reading as a measurement: codes and `over_range_cm` (0: none) separated from distances, then judged().
 [[nodiscard]] Measurement measured(const BenewakeReading& reading, const BenewakeProduct& product,
                                    std::uint16_t over_range_cm) noexcept;
 

@@ -53,7 +53,7 @@ struct Request {
   Stamp patience = std::chrono::milliseconds(200);
   unsigned tries = 3;
   IfSilent if_silent = IfSilent::StartOver;
-  std::string_view problem;  ///< told from the first time-out on
+  std::string_view problem;  ///< shown from the first time-out on
 
   /// Takes the first kBytesMax of `from`.
   void say(std::span<const std::uint8_t> from) noexcept;

@@ -74,17 +74,18 @@ constexpr LwnxProduct sf11() {
 }
 
 constexpr LwnxProduct grf(std::string_view name) {
-  return {.name = name,
-          .output_bits = kCommonBits,
-          .reading_width = 4,
-          .reading_unit_m = 0.1,
-          .rate_code = LwnxRateCode::TenthHz,
-          .rate_id = 74,
-          .rate_width = 4,
-          .rates = kGrfBounds,
-          .lost_signal_id = 78,
-          .baud_id = 91,
-          .saturated_from = std::numeric_limits<double>::infinity()};  // its strength has no scale told
+  return {
+      .name = name,
+      .output_bits = kCommonBits,
+      .reading_width = 4,
+      .reading_unit_m = 0.1,
+      .rate_code = LwnxRateCode::TenthHz,
+      .rate_id = 74,
+      .rate_width = 4,
+      .rates = kGrfBounds,
+      .lost_signal_id = 78,
+      .baud_id = 91,
+      .saturated_from = std::numeric_limits<double>::infinity()};  // its manual gives no scale of strength
 }
 
 constexpr std::array kProducts = {

@@ -53,7 +53,7 @@ struct LwnxProduct {
   std::span<const double> rates{};
   std::uint8_t lost_signal_id = 0;
   std::uint8_t baud_id = 0;
-  /// Strength from which an echo counts as saturated: it is told in per cent of the full scale (LW20 manual,
+  /// Strength from which an echo counts as saturated: it is given in per cent of the full scale (LW20 manual,
   /// LightWare's samples), so what is above 100 was too bright to be measured.
   double saturated_from = 101.0;
   /// Whether its command numbers are published; else a setting that is not answered is gone without.

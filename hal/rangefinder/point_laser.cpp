@@ -167,7 +167,7 @@ class PointLaserDriver final : public SerialRangeDriver {
       return StepKind::Skip;
     }
     into.say({commands_[step].bytes.data(), commands_[step].size});
-    // The device need not answer: the records that follow tell whether it understood.
+    // The device need not answer: the records that follow show whether it understood.
     into.patience = settle_;
     into.tries = 1;
     into.if_silent = IfSilent::GoOn;

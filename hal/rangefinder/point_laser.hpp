@@ -81,7 +81,7 @@ struct PointLaserConfig {
 /// stored in the device.
 [[nodiscard]] PointLaserConfig astech_lds70a();
 
-/// MDL LaserAce IM HR. UNVERIFIED: no public document tells its serial format; a decimal number in metres
+/// MDL LaserAce IM HR. UNVERIFIED: no public document gives its serial format; a decimal number in metres
 /// ended by CR LF at 1 kHz is a guess to be replaced by the owner's manual. Range 300 m and resolution 0.1 m
 /// are from the paper.
 [[nodiscard]] PointLaserConfig mdl_laserace_im_hr_unverified();

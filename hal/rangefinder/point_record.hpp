@@ -29,7 +29,7 @@ class PointRecords {
   PointRecords& operator=(const PointRecords&) = delete;
   virtual ~PointRecords() = default;
 
-  /// Takes the next byte of the stream; whether a reading was found, which the members below then tell.
+  /// Takes the next byte of the stream; whether a reading was found, which the members below then hold.
   [[nodiscard]] bool push(std::uint8_t byte) noexcept;
   /// What follows does not belong to what came before.
   void interrupt() noexcept;

@@ -87,7 +87,7 @@ namespace {
 constexpr double kSilentPeriods = 20.0;
 constexpr Stamp kSilenceLeast = std::chrono::milliseconds(250);  // longer than a stall of the host
 constexpr std::size_t kLostMost = 1000;
-constexpr double kRateTold = 0.01;  // share: smaller changes of a rate that is off are not told
+constexpr double kRateReported = 0.01;  // share: smaller changes of a wrong rate are not reported
 
 /// Writes words and whole numbers side by side, without memory.
 class DoubtWriter {
@@ -175,11 +175,11 @@ void RangeDriver::tell_doubt() noexcept {
     return;
   }
   const double rate_hz = clock_.apparent_rate_hz();
-  if (was_in_doubt_ && std::abs(rate_hz - told_hz_) < kRateTold * info_.rate_hz) {
+  if (was_in_doubt_ && std::abs(rate_hz - reported_hz_) < kRateReported * info_.rate_hz) {
     return;  // a text that changes all the time is no help
   }
   was_in_doubt_ = true;
-  told_hz_ = rate_hz;
+  reported_hz_ = rate_hz;
   if (std::abs(rate_hz / info_.rate_hz - 1.0) <= config_.clock.tolerance_ppm * 1e-6) {
     doubt_ =
         FixedText<kDoubtMax>("readings come too irregularly to be timed; check cable and load of the host");

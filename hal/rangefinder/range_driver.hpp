@@ -87,7 +87,7 @@ struct RangeConfig {
 /// What is wrong with `config`, if anything.
 [[nodiscard]] std::optional<InitError> range_config_error(const RangeConfig& config);
 
-/// A reading as its record tells it.
+/// A reading as its record holds it.
 struct Measurement {
   double range_m = 0.0;
   double strength = 0.0;
@@ -140,13 +140,13 @@ class RangeDriver : public Rangefinder, protected Script {
 
   RangeConfig config_;
   bool was_in_doubt_ = false;
-  double told_hz_ = 0.0;
+  double reported_hz_ = 0.0;
   FixedText<kDoubtMax> doubt_;
   Ring<RangeSample, kRangeSamplesMax> samples_;
 };
 
 /// A driver on a serial line: bytes to records, and the time and the loss that the place of a record in the
-/// stream tells.
+/// stream shows.
 class SerialRangeDriver : public RangeDriver {
  protected:
   SerialRangeDriver(ByteLink& link, const LineRates& rates, const RangeConfig& config) noexcept;

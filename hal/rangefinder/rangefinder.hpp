@@ -24,7 +24,7 @@ enum class RangeEvent : std::uint8_t {
   ForeignRecords,  ///< whole and sound, but not asked for
   LocksLost,
   RequestsRepeated,
-  RequestsRefused,  ///< the device answered otherwise than it was told
+  RequestsRefused,  ///< the device refused what it was asked to do
   LineRatesTried,
   StreamSilences,
   RateDeviations,  ///< readings came at another rate than was set
@@ -60,7 +60,7 @@ struct RangeSample {
   /// measured a constant time earlier, which is unknown here (firmware/scan finds it).
   Stamp stamp{};
   double range_m = 0.0;   ///< meaningful for Echo::Return alone, and then positive; 0 otherwise
-  double strength = 0.0;  ///< in the device's unit; 0 when it tells none
+  double strength = 0.0;  ///< in the device's unit; 0 when it reports none
   Echo echo = Echo::None;
 };
 

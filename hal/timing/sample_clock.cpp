@@ -158,7 +158,7 @@ constexpr std::size_t kWindowsToSettle = 2;
 constexpr double kLateLumps = 2.0;   // what is later may have been held up
 constexpr double kBucketNs = 250e6;  // holds many lumps; LowerLine keeps 16 s of them
 constexpr std::size_t kBucketCalls = 8;
-constexpr std::size_t kPointsToKnow = 8;  // of 0.25 s each, that tell the period better than the nominal one
+constexpr std::size_t kPointsToKnow = 8;  // of 0.25 s each, that give the period better than the nominal one
 constexpr double kBurstShare = 0.75;      // of its time: a bucket that came in less was held up before
 constexpr double kAgreeShare = 0.1;  // of its time: buckets of a queue that empties differ by more in slack
 // Of a lump, or of a period: a line that has to be put so much earlier within a bucket was no phase.
@@ -311,7 +311,7 @@ void SampleClock::close_bucket() noexcept {
   const bool is_late = closed.least_slack > kLateLumps * static_cast<double>(config_.lump.count());
   const bool is_burst = closed.last_y - closed.first_y < kBurstShare * length_ns;
   if ((is_late && !agrees) || (is_burst && closed.least_slack > nominal_ns_)) {
-    return;  // held up: the next bucket tells whether it stays so late
+    return;  // held up: the next bucket shows whether it stays so late
   }
   const LowerLine::Line before = line_;
   const bool knows_period = points_.size() >= kPointsToKnow || is_in_doubt();
@@ -351,7 +351,7 @@ void SampleClock::move_on(double periods) noexcept {
   }
 }
 
-/// While in doubt the clock runs at the nominal rate, so that what it is corrected by tells the true one.
+/// While in doubt the clock runs at the nominal rate, so that its corrections show the true one.
 void SampleClock::check(Stamp latest) noexcept {
   const double elapsed_ns = checked_ ? std::max(0.0, static_cast<double>((latest - *checked_).count())) : 0.0;
   checked_ = std::max(latest, checked_.value_or(latest));

@@ -10,7 +10,7 @@
 
 namespace slamsensor::hal {
 
-/// When the bytes of a serial line arrived, told by their place in the stream, which counts from 0.
+/// When the bytes of a serial line arrived, by their place in the stream, which counts from 0.
 class ArrivalLog {
  public:
   /// `count` more bytes were read at `stamp`, which does not decrease.
@@ -180,7 +180,7 @@ class SampleClock {
 
   /// Whether the stamps just given can be believed: enough readings were seen since the last start to know
   /// the phase within a lump, the newest was not later than two lumps, and the rate is not in doubt. (Later
-  /// ones may follow a gap that is not yet known for one, or have been held up; the next windows tell which.)
+  /// ones may follow a gap that is not yet known for one, or have been held up; the next windows show which.)
   [[nodiscard]] bool settled() const noexcept {
     return knows_phase() && !is_in_doubt() && !check_.is_suspect();
   }

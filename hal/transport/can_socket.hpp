@@ -71,7 +71,7 @@ using CanCounters = Counters<CanEvent, kCanEvents>;
 [[nodiscard]] const std::array<std::string_view, kCanEvents>& can_event_names() noexcept;
 
 /// What the socket delivered, decoded: the frame when it is one to hand out, else nothing and counted.
-/// `bytes` is the length that was read, which tells classical from FD frames (Linux:
+/// `bytes` is the length that was read, which distinguishes classical from FD frames (Linux:
 /// Documentation/networking/can).
 [[nodiscard]] std::optional<CanFrame> to_data_frame(const canfd_frame& raw, std::size_t bytes,
                                                     CanCounters& counters) noexcept;

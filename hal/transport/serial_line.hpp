@@ -52,7 +52,7 @@ struct LineResult {
 /// Makes the terminal `fd` a raw line: every byte passes as it is in both directions, no flow control, no
 /// modem lines, a read without data fails with EAGAIN and one after a hang-up returns 0; then reads the
 /// settings back, for the kernel reports success when only some were taken. A rate may be off by 3 %.
-/// Pseudo-terminals keep 8 data bits without parity whatever they are told, which is no failure.
+/// Pseudo-terminals keep 8 data bits without parity whatever is set, which is no failure.
 [[nodiscard]] LineResult make_raw(int fd, const SerialLine& line) noexcept;
 
 /// Whether the terminal still has these settings, or another program has changed them.

@@ -71,7 +71,7 @@ constexpr Section kSections[] = {
     {"benewake_can", "The same on a CAN bus."},
     {"point_laser", "Any other rangefinder on a serial line that sends its readings by itself."},
     {"inclination",
-     "How the sensor leans, and what tells it. Roll is positive when the left side is up, pitch when the "
+     "How the sensor leans, and what measures it. Roll is positive when the left side is up, pitch when the "
      "front is down."},
 };
 
@@ -184,9 +184,9 @@ constexpr Setting kSettings[] = {
      degrees<kScanHead, kLevelling, &LevellingConfig::fixed, &Attitude::roll_rad>(-45.0, 45.0)},
     {"inclination.pitch_deg", "deg", "Pitch of the sensor, for source = \"fixed\".",
      degrees<kScanHead, kLevelling, &LevellingConfig::fixed, &Attitude::pitch_rad>(-45.0, 45.0)},
-    {"inclination.offset_roll_deg", "deg", "Roll that the device tells while the sensor stands upright.",
+    {"inclination.offset_roll_deg", "deg", "Roll that the device reports while the sensor stands upright.",
      degrees<kScanHead, kLevelling, &LevellingConfig::offset, &Attitude::roll_rad>(-180.0, 180.0)},
-    {"inclination.offset_pitch_deg", "deg", "Pitch that the device tells while the sensor stands upright.",
+    {"inclination.offset_pitch_deg", "deg", "Pitch that the device reports while the sensor stands upright.",
      degrees<kScanHead, kLevelling, &LevellingConfig::offset, &Attitude::pitch_rad>(-90.0, 90.0)},
     {"inclination.max_age_s", "s", "Without a measurement for longer than this the sensor does not scan.",
      real<kScanHead, kLevelling, &LevellingConfig::max_age_s>(0.2, 60.0)},

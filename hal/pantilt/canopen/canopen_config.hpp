@@ -13,7 +13,7 @@ enum class CanopenSense : std::uint8_t { Normal, Reversed };
 
 /// When a start-up drives an axis to its reference (CiA 402 homing mode).
 enum class CanopenHoming : std::uint8_t {
-  Never,       ///< for absolute encoders alone: what the drive tells is believed
+  Never,       ///< for absolute encoders alone: what the drive reports is believed
   IfNotHomed,  ///< bit 12 of the statusword, in homing mode, does not say "attained"
   Always,
 };
@@ -51,9 +51,9 @@ struct CanopenAxisConfig {
   double counts_per_rad = 100'000.0;        ///< positions; positive
   double speed_units_per_rad = 0.0;         ///< of 6081 and 60FF, per rad/s; 0: counts per second
   double acceleration_units_per_rad = 0.0;  ///< of 6083 and 6084, per rad/s^2; 0: counts per second squared
-  double min_rad = -3.0;  ///< allowed here; the drive's own limits (607D), where told, narrow it
+  double min_rad = -3.0;  ///< allowed here; the drive's own limits (607D), where it has them, narrow it
   double max_rad = 3.0;
-  double speed_max_radps = 1.0;      ///< allowed here; the drive's 607F, where told, lowers it
+  double speed_max_radps = 1.0;      ///< allowed here; the drive's 607F, where it has one, lowers it
   double acceleration_radps2 = 0.0;  ///< set in the drive; 0: the drive's own is read and kept
   double window_rad = 0.001;         ///< a move has ended within this of its target
   /// Object 6098, by the manufacturer's table; 0: none, and a drive that says that it is not homed is

@@ -130,7 +130,7 @@ void CanopenDrive::step_motion(Stamp now) noexcept {
   }
 }
 
-/// Queues what must be set before the drive is told to go.
+/// Queues what must be set before the drive is commanded to go.
 void CanopenDrive::prepare() noexcept {
   phase_ = Phase::Prepare;
   if (request_) {
@@ -195,7 +195,7 @@ void CanopenDrive::step_set_point(Stamp now) noexcept {
   prepare();
 }
 
-/// Halts once, then waits for the standstill that bit 10 tells while the halt bit is set.
+/// Halts once, then waits for the standstill that bit 10 reports while the halt bit is set.
 void CanopenDrive::start_halt(Stamp now) noexcept {
   if (halt_due_) {
     halt_due_ = false;
@@ -209,7 +209,7 @@ void CanopenDrive::start_halt(Stamp now) noexcept {
   }
 }
 
-/// What reports tell from here on is where the next move starts: by the time that it is confirmed, reports
+/// Positions reported from here on are where the next move starts: by the time that it is confirmed, reports
 /// may already be of an axis under way.
 void CanopenDrive::come_to_rest() noexcept {
   phase_ = Phase::Rest;

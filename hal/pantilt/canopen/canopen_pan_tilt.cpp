@@ -110,7 +110,7 @@ void CanopenNode::on_heartbeat(const CanRead& got, Stamp now) noexcept {
     return;
   }
   heard_ = now;
-  const auto told = static_cast<NmtState>(got.frame.data[0] & 0x7FU);
+  const auto reported = static_cast<NmtState>(got.frame.data[0] & 0x7FU);
   const bool was_ready = state_ == DeviceState::Ready;
   if (got.frame.data[0] == static_cast<std::uint8_t>(NmtState::BootUp)) {
     // All that was set is gone, and with it every answer still to come.
@@ -122,7 +122,7 @@ void CanopenNode::on_heartbeat(const CanRead& got, Stamp now) noexcept {
       waiting_ = true;
     }
     retry_at_ = now + config_.boot_wait;
-  } else if (was_ready && told != NmtState::Operational) {
+  } else if (was_ready && reported != NmtState::Operational) {
     counters_.count(CanopenEvent::StatesLost);
     fail(CanopenProblem::NotOperational, now);
   }

@@ -29,7 +29,7 @@ class CanopenNode {
   void on_frame(const CanRead& got, Stamp now) noexcept;
   void on_sync(Stamp sent) noexcept { drive_.on_sync(sent); }
 
-  /// Absent is told as Starting.
+  /// Absent is reported as Starting.
   [[nodiscard]] DeviceState state() const noexcept { return state_; }
   [[nodiscard]] CanopenProblem problem() const noexcept { return problem_; }
   [[nodiscard]] bool wants_sync() const noexcept;
@@ -64,7 +64,7 @@ class CanopenNode {
 /// of its arrival; one asked for the middle of the gap between request and reply.
 class CanopenPanTilt final : public PanTilt {
  public:
-  /// A driver that starts up at its first step(). Refuses a configuration out of the bounds told in
+  /// A driver that starts up at its first step(). Refuses a configuration out of the bounds given in
   /// CanopenConfig. `link` outlives the driver.
   [[nodiscard]] static tl::expected<std::unique_ptr<CanopenPanTilt>, InitError> create(
       const CanopenConfig& config, CanLink& link);

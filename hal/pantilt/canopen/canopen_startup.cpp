@@ -66,8 +66,8 @@ CanopenProblem CanopenFactsScript::on_result(const SdoResult& result, const SdoC
 
 /// What is optional in a drive has its bound in the configuration.
 CanopenProblem CanopenFactsScript::conclude() noexcept {
-  const std::uint32_t assumed = 1U;  // a drive that cannot tell its modes still has the usual one
-  facts_.modes = told(object::kSupportedModes).value_or(assumed);
+  const std::uint32_t assumed = 1U;  // a drive that does not report its modes has the usual one
+  facts_.modes = reported(object::kSupportedModes).value_or(assumed);
   const bool sweeps_by_speed = config_.motion == CanopenMotion::ProfileVelocity;
   if (!has_mode(facts_.modes, DriveMode::ProfilePosition) ||
       (sweeps_by_speed && !has_mode(facts_.modes, DriveMode::ProfileVelocity)) ||
@@ -86,15 +86,15 @@ CanopenProblem CanopenFactsScript::conclude() noexcept {
   AxisInfo& info = facts_.info;
   info.resolution_rad = 1.0 / counts_per_rad;
   info.speed_min_radps = 1.0 / facts_.speed_units_per_rad;
-  const std::uint32_t speed_units = told(object::kSpeedMax).value_or(0);
-  const double speed_told = speed_units / facts_.speed_units_per_rad;
+  const std::uint32_t speed_units = reported(object::kSpeedMax).value_or(0);
+  const double speed_reported = speed_units / facts_.speed_units_per_rad;
   info.speed_max_radps =
-      speed_units > 0 ? std::min(speed_told, axis_.speed_max_radps) : axis_.speed_max_radps;
+      speed_units > 0 ? std::min(speed_reported, axis_.speed_max_radps) : axis_.speed_max_radps;
   const double per_rad =
       axis_.acceleration_units_per_rad > 0.0 ? axis_.acceleration_units_per_rad : counts_per_rad;
   info.dynamics.acceleration_radps2 = axis_.acceleration_radps2 > 0.0
                                           ? axis_.acceleration_radps2
-                                          : told(object::kAcceleration).value_or(0) / per_rad;
+                                          : reported(object::kAcceleration).value_or(0) / per_rad;
   // Without any acceleration known, speed is taken to be reached at once.
   info.dynamics.base_speed_radps = info.dynamics.acceleration_radps2 > 0.0 ? 0.0 : info.speed_max_radps;
   return find_range();
@@ -104,8 +104,8 @@ CanopenProblem CanopenFactsScript::find_range() noexcept {
   AxisInfo& info = facts_.info;
   info.min_rad = axis_.min_rad;
   info.max_rad = axis_.max_rad;
-  const auto low = static_cast<std::int32_t>(told(object::kPositionMin).value_or(0));
-  const auto high = static_cast<std::int32_t>(told(object::kPositionMax).value_or(0));
+  const auto low = static_cast<std::int32_t>(reported(object::kPositionMin).value_or(0));
+  const auto high = static_cast<std::int32_t>(reported(object::kPositionMax).value_or(0));
   if (low < high) {  // both 0, or crossed: no limits (CiA 402)
     const double a = low * facts_.rad_per_count;
     const double b = high * facts_.rad_per_count;
@@ -120,14 +120,14 @@ double CanopenFactsScript::scale() const noexcept {
   if (axis_.scale == CanopenScale::Configured) {
     return axis_.counts_per_rad;
   }
-  const double counts = told(object::kEncoderCounts).value_or(0);
-  const double turns = told(object::kEncoderTurns).value_or(1);
-  const double motor = told(object::kGearMotorTurns).value_or(1);
-  const double shaft = told(object::kGearShaftTurns).value_or(1);
+  const double counts = reported(object::kEncoderCounts).value_or(0);
+  const double turns = reported(object::kEncoderTurns).value_or(1);
+  const double motor = reported(object::kGearMotorTurns).value_or(1);
+  const double shaft = reported(object::kGearShaftTurns).value_or(1);
   return turns > 0.0 && shaft > 0.0 ? counts / turns * motor / shaft / (2.0 * std::numbers::pi) : 0.0;
 }
 
-std::optional<std::uint32_t> CanopenFactsScript::told(SdoAddress address) const noexcept {
+std::optional<std::uint32_t> CanopenFactsScript::reported(SdoAddress address) const noexcept {
   for (std::size_t i = 0; i < kAsked.size(); ++i) {
     if (is_same(kAsked[i], address)) {
       return values_[i];

@@ -43,7 +43,7 @@ class CanopenFactsScript final : public CanopenScript {
   [[nodiscard]] CanopenProblem conclude() noexcept;
   [[nodiscard]] CanopenProblem find_range() noexcept;
   [[nodiscard]] double scale() const noexcept;
-  [[nodiscard]] std::optional<std::uint32_t> told(SdoAddress address) const noexcept;
+  [[nodiscard]] std::optional<std::uint32_t> reported(SdoAddress address) const noexcept;
 
   const CanopenConfig& config_;
   const CanopenAxisConfig& axis_;
@@ -61,7 +61,7 @@ class CanopenReferenceScript final : public CanopenScript {
   CanopenReferenceScript(const CanopenConfig& config, const CanopenAxisConfig& axis) noexcept
       : config_(config), axis_(axis) {}
 
-  /// `modes` as object 6502 tells them. Called before begin().
+  /// `modes` as object 6502 holds them. Called before begin().
   void set_modes(std::uint32_t modes) noexcept { modes_ = modes; }
 
   void begin(Stamp now) noexcept override;
@@ -168,7 +168,7 @@ class CanopenStartup {
 
   [[nodiscard]] bool is_done() const noexcept { return stage_ == Stage::Done; }
 
-  /// Whether the node was told to start: SYNC may now be of use to it.
+  /// Whether the node was commanded to start: SYNC may now be of use to it.
   [[nodiscard]] bool is_operational() const noexcept { return stage_ >= Stage::Enable; }
 
   [[nodiscard]] const CanopenFacts& facts() const noexcept { return facts_.facts(); }

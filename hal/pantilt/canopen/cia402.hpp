@@ -69,7 +69,7 @@ enum class NmtState : std::uint8_t {
 
 inline constexpr std::uint8_t kNodeMax = 127;
 
-/// State of a drive as its statusword tells it (CiA 402, "finite state automaton").
+/// State of a drive as its statusword reports it (CiA 402, "finite state automaton").
 enum class DriveState : std::uint8_t {
   NotReady,
   SwitchOnDisabled,

@@ -8,7 +8,7 @@ namespace {
 constexpr std::uint8_t kSdoBytes = 8;
 constexpr std::uint8_t kSpecifierMask = 0xE0;
 constexpr std::uint8_t kExpedited = 0x02;
-constexpr std::uint8_t kSizeTold = 0x01;
+constexpr std::uint8_t kSizeIndicated = 0x01;
 
 CanFrame sdo_frame(std::uint8_t node, std::uint8_t specifier, SdoAddress address,
                    std::uint32_t value) noexcept {
@@ -33,14 +33,14 @@ SdoReply segment_of(const CanFrame& frame) noexcept {
 
 void read_upload(const CanFrame& frame, SdoReply& reply) noexcept {
   const std::uint8_t command = frame.data[0];
-  const bool told = (command & kSizeTold) != 0;
+  const bool has_size = (command & kSizeIndicated) != 0;
   if ((command & kExpedited) == 0) {
     reply.kind = SdoReplyKind::LongValue;
-    reply.value = told ? le_number(frame, 4, 4) : 0;
+    reply.value = has_size ? le_number(frame, 4, 4) : 0;
     return;
   }
   reply.kind = SdoReplyKind::Value;
-  reply.size = static_cast<std::uint8_t>(told ? 4 - ((command >> 2) & 3) : 4);
+  reply.size = static_cast<std::uint8_t>(has_size ? 4 - ((command >> 2) & 3) : 4);
   reply.value = le_number(frame, 4, reply.size);
 }
 
@@ -230,7 +230,7 @@ void SdoClient::send_marker(Stamp now) noexcept {
   send(sdo_read(node_, marker()), now);
 }
 
-/// Segments carry no address; only the transfer under way and its toggle bit tell whose they are.
+/// Segments carry no address; only the transfer under way and its toggle bit show whose they are.
 void SdoClient::on_segment(const SdoReply& reply, const CanRead& got, Stamp now) noexcept {
   if (phase_ != Phase::Segments || unsent_) {
     counters_.count(CanopenEvent::SdoRepliesForeign);

@@ -33,7 +33,7 @@ namespace slamsensor::hal {
 enum class SdoReplyKind : std::uint8_t {
   Written,
   Value,      ///< expedited upload: `value`, `size`
-  LongValue,  ///< a segmented upload begins; `value` is its length in bytes where told, else 0
+  LongValue,  ///< a segmented upload begins; `value` is its length in bytes where given, else 0
   Segment,    ///< `bytes`, `size`, `toggle`, `last`
   Abort,      ///< `value` is the code
 };
@@ -68,7 +68,7 @@ enum class CanopenEvent : std::uint8_t {
   SyncsLate,          ///< SYNC sent more than a period late
   HeartbeatsLost,     ///< times a heartbeat stayed away
   BootUps,            ///< a node in use started anew
-  Emergencies,        ///< EMCY messages that tell an error
+  Emergencies,        ///< EMCY messages that report an error
   Faults,             ///< a drive in use fell into its fault state
   StatesLost,         ///< a node or drive in use left its operating state
   Restarts,           ///< start-ups of a node after its first
@@ -127,7 +127,7 @@ using DeviceName = FixedText<80>;
 
 /// The client's end of a node's SDO channel (CiA 301): one request at a time, repeated when no answer comes.
 ///
-/// Replies are told apart by index and sub-index only. So after a time-out another object is read first: a
+/// Replies are distinguished by index and sub-index only. So after a time-out another object is read first: a
 /// server answers in order, hence with that answer everything older has arrived.
 class SdoClient {
  public:

@@ -154,11 +154,11 @@ TEST_F(Publisher, AFixIsToldInTheStateFixedAlone) {
   for (const SensorState state : {SensorState::Starting, SensorState::Scanning, SensorState::Ambiguous,
                                   SensorState::Lost, SensorState::Held, SensorState::Faulted}) {
     status_.state = state;
-    EXPECT_EQ(told_fix(status_, kUptime).status, core::FixStatus::NoFix)
+    EXPECT_EQ(shown_fix(status_, kUptime).status, core::FixStatus::NoFix)
         << kSensorStateNames[std::size_t(state)];
   }
   status_.state = SensorState::Fixed;
-  EXPECT_EQ(told_fix(status_, kUptime + 5s).status, core::FixStatus::Fix);
+  EXPECT_EQ(shown_fix(status_, kUptime + 5s).status, core::FixStatus::Fix);
 }
 
 TEST_F(Publisher, AReportThatNobodyRenewsIsNoFixAnyMore) {
