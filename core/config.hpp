@@ -108,7 +108,7 @@ struct MountConfig {
   double heading_rad = 0.0;
 };
 
-/// All that core is told. Validated by the loader (firmware/config); core takes it as it is.
+/// All settings of core. Validated by the loader (firmware/config); core takes it as it is.
 struct Config {
   MountConfig mount;
   DetectionConfig detection;

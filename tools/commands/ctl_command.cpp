@@ -36,9 +36,9 @@ void add_ctl(CLI::App& app, CommandResult& result) {
   auto options = std::make_shared<Options>();
   options->ctl.socket = firmware::ControlConfig().socket;
   auto json = std::make_shared<bool>(false);
-  CLI::App* verb = app.add_subcommand(
-      "ctl",
-      "ask or tell the running daemon; 'ctl help' lists the commands, no command reads them from the input");
+  CLI::App* verb = app.add_subcommand("ctl",
+                                      "ask or command the running daemon; 'ctl help' lists the commands, no "
+                                      "command reads them from the input");
   verb->add_option("--socket", options->ctl.socket, "the daemon's control socket")
       ->type_name("PATH")
       ->capture_default_str();

@@ -160,7 +160,7 @@ void give_to_owner_of_folder(const std::filesystem::path& path) {
   }
 }
 
-/// A new file can be put beside the maps of a running daemon, which looks at it when it is told to load it;
+/// A new file can be put beside the maps of a running daemon, which looks at it when it is asked to load it;
 /// a map that is there is replaced as the daemon would, with its generation before, while no daemon runs.
 tl::expected<std::filesystem::path, CommandError> put(const ImportOptions& options, firmware::MapFile& map,
                                                       std::int64_t now_utc_s) {

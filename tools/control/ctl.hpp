@@ -68,7 +68,7 @@ struct CtlOptions {
                                         const CtlOptions& options, std::FILE* out);
 
 /// Sends every line of `in` as a request, until its end or "quit", with a prompt when `in` is a terminal.
-/// Refused requests are told on `out` and do not end it. The exit status is that of the last request.
+/// Refused requests are reported on `out` and do not end it. The exit status is that of the last request.
 [[nodiscard]] CommandResult run_lines(ControlClient& client, const CtlOptions& options, std::FILE* in,
                                       std::FILE* out);
 

@@ -118,7 +118,7 @@ class RangeScene {
   /// What a shot at `at` meets. Called once for each shot, in the order of time.
   [[nodiscard]] virtual Target shoot(Stamp at) = 0;
 
-  /// Told of each reading when the device begins to put it on the wire (`on_wire`; the record that carries it
+  /// Gets each reading when the device begins to put it on the wire (`on_wire`; the record that carries it
   /// alone or with others): the truth that experiments compare with.
   virtual void reported(Stamp measured, Stamp on_wire) = 0;
 };

@@ -110,7 +110,7 @@ tl::expected<EmulatedHead::Parts, WorldError> EmulatedHead::parts_of(const Scena
   WorldConfig config = scenario.world;
   HeadSceneConfig scene{scenario.mount, config.rangefinder.drop_out_share,
                         mix_seed(scenario.seed, kSceneStream), scenario.truth_max};
-  config.rangefinder.drop_out_share = 0.0;  // the scene tells lost shots from empty ones
+  config.rangefinder.drop_out_share = 0.0;  // the scene distinguishes lost shots from empty ones
   auto world = World::create(config);
   if (!world) {
     return tl::unexpected(std::move(world.error()));

@@ -173,7 +173,7 @@ class EmulatedPort final : public DeviceLine, public ByteSink {
 
 struct MemoryLinkConfig {
   std::uint32_t baud = 9600;
-  hal::Stamp batch{};              ///< arrivals are handed over at multiples of it, as a USB adapter does
+  hal::Stamp batch{};              ///< arrivals are handed over at its multiples, as a USB adapter does
                                    ///< every 1, 4 or 16 ms; 0: each byte at once
   std::size_t write_queue = 4096;  ///< bytes that wait for the line at most
   hal::ReopenConfig reopen;

@@ -35,8 +35,8 @@ enum class FaultKind : std::uint8_t {
   LimitReport,   ///< a limit report stands in the middle of the next reply
   ResetError,    ///< the unit resets, and the reset ends with too few limit hits and an error
   MissedSteps,   ///< an obstacle: the axis is elsewhere than it reports, until the next reset
-  Blocked,      ///< neither axis moves while the fault lasts, whatever it is told; it reports where it stands
-  MonitorMode,  ///< somebody started the unit's own automatic scan
+  Blocked,  ///< neither axis moves while the fault lasts, whatever is commanded; it reports where it stands
+  MonitorMode,   ///< somebody started the unit's own automatic scan
   SettingsLost,  ///< echo on and verbose again, as after a restore of factory settings
   // A rangefinder
   NoReturns,    ///< nothing comes back while the fault lasts

@@ -78,7 +78,7 @@ struct PtuProfile {
   double position_age_s = 0.0;     ///< of a position when its query is answered
   double boot_s = 0.5;             ///< from power to banner
   double reset_s = 10.0;           ///< of both axes
-  double usb_s = 0.0;              ///< the host gets arrivals at multiples of it, as from a USB adapter
+  double usb_s = 0.0;              ///< the host gets arrivals at its multiples, as from a USB adapter
 };
 
 struct RangefinderProfile {
@@ -95,7 +95,7 @@ struct RangefinderProfile {
 /// The inclinometers that can be emulated.
 enum class InclinometerModel : std::uint8_t { None, Cia410 };
 
-/// An inclinometer on the carrier, on a CAN bus: it tells how the mount truly leans.
+/// An inclinometer on the carrier, on a CAN bus: it reports how the mount truly leans.
 struct InclinometerProfile {
   InclinometerModel unit = InclinometerModel::None;
   std::uint32_t node = 10;

@@ -107,7 +107,7 @@ bool make_raw(int fd) noexcept {
   return ::ioctl(fd, TCSETS2, &settings) == 0;
 }
 
-/// Only from its first opening on does a terminal tell whether a host is there.
+/// Only from its first opening on does a terminal show whether a host is there.
 bool open_once(const char* path) noexcept {
   const int fd = ::open(path, O_RDWR | O_NOCTTY | O_CLOEXEC);
   return fd >= 0 && ::close(fd) == 0;

@@ -119,7 +119,7 @@ class PseudoTerminal {
 };
 
 /// Whether a host must have set the device's line rate to be understood. (A pseudo-terminal has no bits, but
-/// it tells the rate that its host has set.)
+/// it shows the rate that its host has set.)
 enum class BaudRule : std::uint8_t { AsOnALine, AnyRate };
 
 /// An emulated port on a pseudo-terminal: its bytes are given to the host when they have come over the line,

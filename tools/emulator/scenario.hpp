@@ -87,7 +87,7 @@ struct Scenario {
 
 /// The scenario that the TOML file `path` describes, or, for a world file (one that names no `world`), a
 /// drive through that world with the head `kind`. `kind`, when given, also replaces the scenario's own. What
-/// is not named keeps its default. Every mistake is told with file, line and column.
+/// is not named keeps its default. Every mistake is reported with file, line and column.
 [[nodiscard]] tl::expected<Scenario, WorldError> load_scenario(const std::filesystem::path& path,
                                                                std::optional<HeadKind> kind = std::nullopt);
 

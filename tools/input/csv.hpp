@@ -29,7 +29,7 @@ struct CsvHeader {
   std::vector<std::string_view> columns;
 };
 
-/// Reads the header at `lines`: what parts its columns is told from it (a semicolon, a tab or a comma), or
+/// Reads the header at `lines`: what parts its columns is found from it (a semicolon, a tab or a comma), or
 /// from a line `sep=;` before it. Nothing when there is no line.
 [[nodiscard]] std::optional<CsvHeader> read_csv_header(LineReader& lines);
 

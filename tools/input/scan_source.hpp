@@ -68,7 +68,7 @@ struct ScanFiles {
 /// What the header of a CSV says that it holds.
 enum class CsvKind : std::uint8_t { Empty, Readings, Landmarks, Map, Other };
 
-/// Told from the header, however its columns are parted and quoted: a column of readings, or `scan` with
+/// Found from the header, however its columns are parted and quoted: a column of readings, or `scan` with
 /// `x_m`, or a map's `id` with `x_m`.
 [[nodiscard]] CsvKind csv_kind(std::string_view text);
 
@@ -102,10 +102,10 @@ class ScanSource {
 };
 
 /// Opens what `slamsensor replay` takes (DESIGN 6): files, or folders of files, of point clouds (.pcd),
-/// readings (.csv) and landmark lists (.csv; the kind is told from the header). A scan's number and time come
-/// from its file's name (label_scans), or from the list's scan column. An error when a path does not exist, a
-/// folder holds no scan, a number is missing or taken twice, a landmark list is malformed, or a step in
-/// `config` is not positive.
+/// readings (.csv) and landmark lists (.csv; the kind is found from the header). A scan's number and time
+/// come from its file's name (label_scans), or from the list's scan column. An error when a path does not
+/// exist, a folder holds no scan, a number is missing or taken twice, a landmark list is malformed, or a step
+/// in `config` is not positive.
 [[nodiscard]] tl::expected<std::unique_ptr<ScanSource>, InputError> open_scans(
     std::span<const std::filesystem::path> inputs, const firmware::Config& config);
 

@@ -150,7 +150,7 @@ tl::expected<core::Reading, InputError> parse_reading(const CsvReader& csv) {
   return core::Reading{*pan_deg * core::kDegree, *tilt_deg * core::kDegree, *range_m};
 }
 
-/// The attitude that the row tells.
+/// The attitude that the row holds.
 tl::expected<core::Attitude, InputError> parse_attitude(const CsvReader& csv) {
   const auto roll_deg = csv.number(kRoll, {-180.0, 180.0, "deg"});
   if (!roll_deg) {

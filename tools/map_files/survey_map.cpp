@@ -20,8 +20,8 @@
 namespace slamsensor::tools {
 namespace {
 
-// National grids count up to ten thousand kilometres; what is out of the map's reach is told later, with the
-// remedy of an origin.
+// National grids count up to ten thousand kilometres; what is out of the map's reach is refused later, with
+// the remedy of an origin.
 constexpr CsvRange kGrid{-1e8, 1e8, "m"};
 constexpr CsvRange kLatitude{-90.0, 90.0, "deg"};
 constexpr CsvRange kLongitude{-180.0, 180.0, "deg"};

@@ -109,7 +109,7 @@ firmware::HeadConfig head_of(const Scenario& scenario, const firmware::HeadConfi
   return head;
 }
 
-/// What an inclinometer with this offset tells of itself on a sensor that leans like the mount.
+/// What an inclinometer with this offset reports on a sensor that leans like the mount.
 core::Attitude told_inclination(const SweepConfig& mount, const core::Attitude& offset) {
   return core::attitude_of_up(core::level_from_sensor(offset).transpose() *
                               core::up_L({mount.roll_rad, mount.pitch_rad}));

@@ -41,7 +41,7 @@ struct RecordSummary {
   std::string problem;           ///< what kept the head from scanning at the end; empty when nothing did
 };
 
-/// Told after each scan: scans made and wanted, or seconds where only those are limited.
+/// Called after each scan: scans made and wanted, or seconds where only those are limited.
 using RecordProgress = std::function<void(std::uint32_t done, std::uint32_t total)>;
 
 /// Records a drive of an emulated head in simulated time, as fast as the processor: a recording like that of

@@ -53,7 +53,7 @@ enum class ReplayClock : std::uint8_t {
   On,
 };
 
-/// Told after every scan; `total` scans in all.
+/// Called after every scan; `total` scans in all.
 using ReplayProgress = std::function<void(std::size_t done, std::size_t total, const FixRow& row)>;
 
 /// Runs the scans of `inputs` (DESIGN 6), in the order of their times, through the pipeline with `config`.

@@ -49,7 +49,7 @@ class LcmReassembler {
   static constexpr std::size_t kSetsMax = 32;
   static constexpr std::size_t kBytesMax = 4 * kLcmMessageMax;
 
-  /// The message that `packet` completes. `sender` tells senders apart.
+  /// The message that `packet` completes. `sender` distinguishes senders.
   [[nodiscard]] std::optional<LcmMessageView> push(std::uint64_t sender, const LcmPacket& packet);
 
   /// Unfinished messages that had to give way, or whose fragments disagreed.

@@ -80,7 +80,7 @@ TextLines message_lines(const ChannelTable& table, std::size_t selected) {
 
 constexpr double kCellAspect = 2.0;  ///< height of a cell over its width
 constexpr double kSmallestSpan_m = 2.0;
-// Beyond this nothing on the map is told apart, and arithmetic with it is not safe.
+// Beyond this nothing on the map can be distinguished, and arithmetic with it is not safe.
 constexpr double kFarthest_m = 1e7;
 
 /// The smallest upright rectangle around points.
@@ -169,7 +169,7 @@ void draw_marks(const SensorView& view, const Projection& projection, Canvas& ca
 
 /// Draws the map of `view` into `box`, x to the right and y up, as large as it fits with equal axes (a cell
 /// is twice as high as wide): '.' landmarks, '+' the path, an arrow '>', '^', '<' or 'v' the last fix by its
-/// heading. The last row tells the width in m. Nothing in boxes of fewer than 8 by 4 cells.
+/// heading. The last row shows the width in m. Nothing in boxes of fewer than 8 by 4 cells.
 void draw_map_sketch(const SensorView& view, const CanvasBox& box, Canvas& canvas) {
   if (box.width < 8 || box.height < 4) {
     return;

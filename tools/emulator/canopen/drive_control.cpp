@@ -381,7 +381,7 @@ void DriveControl::take_set_point(std::uint16_t word, Stamp now) {
   }
   buffered_.reset();
   begin_set_point(point, now);
-  // bounded() has told whether the new target was cut.
+  // bounded() has said whether the new target was cut.
   is_limited_ = point.target != wanted;
 }
 

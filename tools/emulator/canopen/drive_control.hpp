@@ -19,7 +19,7 @@ enum class DriveState : std::uint8_t {
   Fault,
 };
 
-/// What a drive tells in an emergency message.
+/// What a drive reports in an emergency message.
 struct DriveError {
   std::uint16_t code = 0;  ///< 0: the error is gone
   std::uint8_t error_register = 0;

@@ -422,7 +422,7 @@ bool EmulatedDrive::tells_change(std::size_t n, Stamp at) const {
   const std::vector<PdoEntry> entries = transmit_pdo(n).entries();
   const bool has_word =
       std::ranges::any_of(entries, [](const PdoEntry& e) { return e.key == object::kStatusword; });
-  return transmits_[n].told < 0 || (has_word && control_.statusword(at) != transmits_[n].told);
+  return transmits_[n].sent_word < 0 || (has_word && control_.statusword(at) != transmits_[n].sent_word);
 }
 
 void EmulatedDrive::arm_timer(std::size_t n, Stamp now) {
@@ -450,7 +450,7 @@ void EmulatedDrive::transmit(std::size_t n, Stamp latch, Stamp now) {
   for (const PdoEntry& entry : pdo.entries()) {
     append_number(bytes, live_value(entry.key, latch), entry.width);
   }
-  state.told = control_.statusword(now);
+  state.sent_word = control_.statusword(now);
   state.syncs = 0;
   state.may_at = now + pdo.inhibit();
   arm_timer(n, now);

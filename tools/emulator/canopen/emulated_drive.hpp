@@ -11,7 +11,7 @@
 
 namespace slamsensor::tools {
 
-/// CiA 301, states of a node as its heartbeat tells them.
+/// CiA 301, states of a node as its heartbeat reports them.
 enum class NodeState : std::uint8_t {
   Boot = 0x00,
   Stopped = 0x04,
@@ -51,7 +51,7 @@ class EmulatedDrive final : public EmulatedCanDevice, private ObjectKeeper {
   };
   struct Transmit {
     std::uint8_t syncs = 0;       // since the last one on SYNC
-    std::int64_t told = -1;       // the status word in the last one
+    std::int64_t sent_word = -1;  // the status word in the last one
     Stamp may_at = Stamp::min();  // the inhibit time is over
     Stamp timer_at = hal::kNever;
   };

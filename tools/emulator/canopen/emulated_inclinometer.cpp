@@ -73,10 +73,10 @@ void EmulatedInclinometer::measure() {
   for (const auto& [key16, key32, angle_rad] :
        {std::tuple(kLong16, kLong32, x_rad_), std::tuple(kLateral16, kLateral32, y_rad_)}) {
     const bool is_over = std::abs(angle_rad) > settings_.range_rad;
-    const std::int64_t told = std::llround((is_over ? kOverRange_rad : angle_rad) / unit_rad);
-    objects_.set(key16, std::clamp<std::int64_t>(told, INT16_MIN, INT16_MAX));
+    const std::int64_t reported = std::llround((is_over ? kOverRange_rad : angle_rad) / unit_rad);
+    objects_.set(key16, std::clamp<std::int64_t>(reported, INT16_MIN, INT16_MAX));
     if (settings_.has_32_bits) {
-      objects_.set(key32, told);
+      objects_.set(key32, reported);
     }
   }
 }

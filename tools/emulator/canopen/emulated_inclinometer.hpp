@@ -12,7 +12,7 @@ struct InclinometerSettings {
   std::uint8_t node_id = 10;
   std::uint16_t resolution = 10;  ///< object 6000h: 1, 10, 100 or 1000 thousandths of a degree
   bool has_32_bits = false;       ///< objects 6110h and 6120h beside those of 16 bits
-  double range_rad = 1.0;         ///< an axis that leans by more tells 200 deg, and an emergency says so
+  double range_rad = 1.0;         ///< an axis that leans by more reports 200 deg, and an emergency says so
   Stamp period = std::chrono::milliseconds(100);  ///< of TPDO 1 while operational
   DeviceBegin begin = DeviceBegin::Ready;
   Stamp boot_time = std::chrono::milliseconds(300);

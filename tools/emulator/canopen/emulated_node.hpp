@@ -106,10 +106,10 @@ class ObjectKeeper {
   ObjectKeeper& operator=(const ObjectKeeper&) = delete;
   virtual ~ObjectKeeper() = default;
 
-  /// Appends what the object holds to `bytes`, or tells why not.
+  /// Appends what the object holds to `bytes`, or says why not.
   [[nodiscard]] virtual SdoAbort read_object(ObjectKey key, std::vector<std::uint8_t>& bytes) = 0;
 
-  /// Writes the object, or tells why not.
+  /// Writes the object, or says why not.
   [[nodiscard]] virtual SdoAbort write_object(ObjectKey key, std::span<const std::uint8_t> bytes) = 0;
 
   /// Bytes of a number, 0 when there is none such.

@@ -60,11 +60,11 @@ struct AsciiCall {
   }
 
   /// `value` of the axis, in a sentence or alone.
-  [[nodiscard]] PtuAnswer tell(const std::string& pattern, const std::string& value) const {
+  [[nodiscard]] PtuAnswer report(const std::string& pattern, const std::string& value) const {
     return text(worded(pattern, axis() == PtuAxisId::Pan ? "Pan" : "Tilt", value), value);
   }
-  [[nodiscard]] PtuAnswer tell(const std::string& pattern, long value) const {
-    return tell(pattern, std::to_string(value));
+  [[nodiscard]] PtuAnswer report(const std::string& pattern, long value) const {
+    return report(pattern, std::to_string(value));
   }
 };
 
@@ -75,7 +75,7 @@ using AsciiHandler = PtuAnswer (*)(const AsciiCall&);
 PtuAnswer position(const AsciiCall& call) {
   if (call.is_query()) {
     const Stamp seen = call.now - call.unit.settings.position_latency;
-    return call.tell(call.words().current_position, call.head().axis(call.axis()).position(seen));
+    return call.report(call.words().current_position, call.head().axis(call.axis()).position(seen));
   }
   const auto target = call.number();
   return target ? call.judged(call.head().set_position(call.axis(), *target, call.now)) : call.illegal();
@@ -84,7 +84,7 @@ PtuAnswer position(const AsciiCall& call) {
 PtuAnswer offset(const AsciiCall& call) {
   const PtuAxis& axis = call.head().axis(call.axis());
   if (call.is_query()) {
-    return call.tell(call.words().desired_position, axis.target());
+    return call.report(call.words().desired_position, axis.target());
   }
   const auto steps = call.number();
   return steps
@@ -94,7 +94,7 @@ PtuAnswer offset(const AsciiCall& call) {
 
 PtuAnswer speed(const AsciiCall& call) {
   if (call.is_query()) {
-    return call.tell(call.words().desired_speed, call.head().desired_speed(call.axis()));
+    return call.report(call.words().desired_speed, call.head().desired_speed(call.axis()));
   }
   const auto value = call.number();
   return value ? call.judged(call.head().set_speed(call.axis(), *value, call.now)) : call.illegal();
@@ -103,7 +103,7 @@ PtuAnswer speed(const AsciiCall& call) {
 PtuAnswer speed_offset(const AsciiCall& call) {
   const long current = call.head().current_speed(call.axis(), call.now);
   if (call.is_query()) {
-    return call.tell(call.words().current_speed, current);
+    return call.report(call.words().current_speed, current);
   }
   const auto value = call.number();
   return value ? call.judged(call.head().set_speed(call.axis(), current + *value, call.now)) : call.illegal();
@@ -128,32 +128,32 @@ PtuAnswer set_table(const AsciiCall& call, TableSetter set, Stamp time) {
 
 PtuAnswer acceleration(const AsciiCall& call) {
   return call.is_query()
-             ? call.tell(call.words().acceleration, call.parameters().acceleration)
+             ? call.report(call.words().acceleration, call.parameters().acceleration)
              : set_table(call, &PtuHead::set_acceleration, call.unit.settings.table_times.acceleration);
 }
 
 PtuAnswer base_speed(const AsciiCall& call) {
-  return call.is_query() ? call.tell(call.words().base_speed, call.parameters().base_speed)
+  return call.is_query() ? call.report(call.words().base_speed, call.parameters().base_speed)
                          : set_table(call, &PtuHead::set_base_speed, call.unit.settings.table_times.base);
 }
 
 PtuAnswer upper_speed(const AsciiCall& call) {
-  return call.is_query() ? call.tell(call.words().max_speed, call.parameters().upper_speed)
+  return call.is_query() ? call.report(call.words().max_speed, call.parameters().upper_speed)
                          : set_table(call, &PtuHead::set_upper_speed, call.unit.settings.table_times.upper);
 }
 
 PtuAnswer lower_speed(const AsciiCall& call) {
-  return call.is_query() ? call.tell(call.words().min_speed, call.parameters().lower_speed)
+  return call.is_query() ? call.report(call.words().min_speed, call.parameters().lower_speed)
                          : set_table(call, &PtuHead::set_lower_speed, call.unit.settings.table_times.lower);
 }
 
 PtuAnswer min_position(const AsciiCall& call) {
-  return call.is_query() ? call.tell(call.words().min_position, call.head().axis(call.axis()).min())
+  return call.is_query() ? call.report(call.words().min_position, call.head().axis(call.axis()).min())
                          : call.illegal();
 }
 
 PtuAnswer max_position(const AsciiCall& call) {
-  return call.is_query() ? call.tell(call.words().max_position, call.head().axis(call.axis()).max())
+  return call.is_query() ? call.report(call.words().max_position, call.head().axis(call.axis()).max())
                          : call.illegal();
 }
 
@@ -165,7 +165,7 @@ PtuAnswer resolution(const AsciiCall& call) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.*f", decimals,
                 call.head().axis(call.axis()).resolution_arcsec());
-  return call.tell(call.words().resolution, text.data());
+  return call.report(call.words().resolution, text.data());
 }
 
 // Commands that say how both axes move.

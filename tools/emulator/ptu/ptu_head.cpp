@@ -210,7 +210,7 @@ std::vector<Stamp> PtuAxis::jam(Stamp at, Stamp duration) {
 namespace {
 
 constexpr long kHardMargin = 200;     // the mechanical stops lie this far outside the limits
-constexpr long kNowhere = 1'000'000;  // as far as a motor can be told to go without limits
+constexpr long kNowhere = 1'000'000;  // as far as a motor can be commanded to go without limits
 
 std::string_view axis_name(PtuAxisId id) {
   return id == PtuAxisId::Pan ? "Pan" : "Tilt";

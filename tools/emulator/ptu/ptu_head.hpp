@@ -206,7 +206,7 @@ class PtuAxis {
   /// Stands still at once, as at a mechanical stop or without power.
   void freeze(Stamp at);
 
-  /// Stands still until `until`, whatever it is told.
+  /// Stands still until `until`, whatever is commanded.
   void block(Stamp at, Stamp until);
 
   /// The motor has missed `steps`, or as many as the mechanical stops allow.
@@ -300,7 +300,7 @@ class PtuHead {
   /// When an axis next runs into a stop or a scan turns; kNever for never.
   [[nodiscard]] Stamp next_event() const;
 
-  /// Does what is due at `now`; tells of an axis that has run into a stop, which then stands.
+  /// Does what is due at `now`; reports an axis that has run into a stop, which then stands.
   std::optional<PtuLimitHit> step(Stamp now);
 
   [[nodiscard]] Stamp monitor_turn() const;

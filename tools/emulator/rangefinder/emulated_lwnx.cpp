@@ -95,7 +95,8 @@ LwnxReading LwnxReader::read(const Sight& sight, const Setup& setup) {
     return last_;
   }
   ++misses_;
-  if (misses_ >= setup.lost_counter) {  // the counter's last miss is told as lost: 1 (and 0) repeats nothing
+  if (misses_ >=
+      setup.lost_counter) {  // the counter's last miss is reported as lost: 1 (and 0) repeats nothing
     last_ = {};
   }
   return last_;

@@ -36,7 +36,7 @@ struct LwnxSettings {
 /// speed of its raw stream from half of that on (LW20: high-speed mode).
 void set_rate(LwnxSettings& settings, double rate_hz);
 
-/// A reading as the device tells it.
+/// A reading as the device reports it.
 struct LwnxReading {
   bool is_lost = true;
   double range_m = 0.0;   ///< zero offset included; of readings that are not lost

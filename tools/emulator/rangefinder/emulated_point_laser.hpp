@@ -25,11 +25,10 @@ struct PointFormat {
   PointCoding coding = PointCoding::Decimal;
   PointExtras extras = PointExtras::None;
   std::string prefix;
-  std::uint8_t digits = 4;      ///< before the point, zeros in front
-  std::uint8_t decimals = 3;    ///< behind it
-  double units_per_m = 1000.0;  ///< of the number in SevenBit
-  std::string no_return =
-      "DE02";  ///< text for no echo, and for one that cannot be told from none; 0 in SevenBit
+  std::uint8_t digits = 4;         ///< before the point, zeros in front
+  std::uint8_t decimals = 3;       ///< behind it
+  double units_per_m = 1000.0;     ///< of the number in SevenBit
+  std::string no_return = "DE02";  ///< text for no echo, and for one that looks like none; 0 in SevenBit
   std::string error = "DE04";
 };
 
@@ -78,8 +77,8 @@ struct PointSettings {
   std::uint64_t seed = 1;
 
   StrengthModel quality{4e5, 1500.0};
-  double quality_of_weak = 5.0;        ///< while the fault WeakSignal lasts and the record tells quality
-  double quality_of_blinded = 2000.0;  ///< while the fault Saturation lasts, likewise
+  double quality_of_weak = 5.0;        ///< while the fault WeakSignal lasts and the record holds quality
+  double quality_of_blinded = 2000.0;  ///< while the fault Saturation lasts and the record holds quality
 };
 
 /// ASTECH LDS70A (user manual, pages 34 to 56). The layout of its records is chosen to have the widths of

@@ -56,7 +56,7 @@ constexpr std::size_t kCommandMax = 16;
 constexpr Stamp kPause = std::chrono::milliseconds(100);
 constexpr std::uint16_t kTooBright = 0xFFFE;      // -2 of the TFmini-S
 constexpr std::uint16_t kTooSunny = 0xFFFC;       // -4
-constexpr std::uint32_t kStrengthRateMax = 1000;  // above it only the distance is told
+constexpr std::uint32_t kStrengthRateMax = 1000;  // above it only the distance is reported
 
 std::uint8_t low(unsigned value) {
   return static_cast<std::uint8_t>(value & 0xFFU);

@@ -23,10 +23,11 @@ enum class Tf03Switch : std::uint8_t { Off = 0, On = 1 };
 struct Tf03Parameters {
   std::uint32_t rate_hz = 100;
   Tf03Switch output = Tf03Switch::On;
-  std::uint16_t over_range_cm = 18'000;  ///< told when nothing, or something farther, came back; 0: no limit
-  std::uint32_t baud = 115200;           ///< restart
-  Tf03Wire wire = Tf03Wire::Uart;        ///< restart
-  std::uint32_t can_send_id = 0x3;       ///< restart
+  std::uint16_t over_range_cm =
+      18'000;                       ///< reported when nothing, or something farther, came back; 0: no limit
+  std::uint32_t baud = 115200;      ///< restart
+  Tf03Wire wire = Tf03Wire::Uart;   ///< restart
+  std::uint32_t can_send_id = 0x3;  ///< restart
   std::uint32_t can_receive_id = 0x3003;
   std::uint32_t can_baud = 1'000'000;  ///< restart
   Tf03Switch can_extended = Tf03Switch::Off;
@@ -44,12 +45,12 @@ struct Tf03Settings {
   std::uint64_t seed = 1;
 
   StrengthModel strength{1.44e6, 3500.0};  ///< 40 for 90 % at 180 m, and for 10 % at 60 m
-  double strength_min = 40.0;              ///< below it nothing is told but "no return"
+  double strength_min = 40.0;              ///< below it only "no return" is reported
   std::uint16_t strength_of_nothing = 12;
   std::uint16_t strength_of_weak = 30;       ///< while the fault WeakSignal lasts
   std::uint16_t strength_of_blinded = 4000;  ///< while the fault Saturation lasts
   std::uint16_t no_return_cm = 18'000;       ///< of the relatives; the TF03 has over_range_cm
-  double temperature_c = 25.0;               ///< told by TFmini Plus and TFmini-S
+  double temperature_c = 25.0;               ///< reported by TFmini Plus and TFmini-S
 
   std::uint32_t bus_baud = 1'000'000;  ///< of the bus it hangs on; at another rate it is deaf and mute
   std::array<std::uint8_t, 3> version = {2, 2, 1};  ///< 1.2.2, lowest first
@@ -64,11 +65,11 @@ void set_rate(Tf03Settings& settings, double rate_hz);
 /// The nearest rate of the form n x 10^k (n 1 to 9, k 0 to 3) or 10,000 Hz.
 [[nodiscard]] std::uint32_t nearest_tf03_rate(double rate_hz);
 
-/// What a frame tells: the words of distance and strength, whatever they stand for.
+/// What a frame holds: the words of distance and strength, whatever they stand for.
 struct Tf03Words {
   std::uint16_t distance = 0;
   std::uint16_t strength = 0;
-  bool is_trusted = false;  ///< the TF02 tells it in byte 6
+  bool is_trusted = false;  ///< the TF02 has it in byte 6
 };
 
 /// The words for a sight, by the codes of the model; nothing when the model has no word for an error.

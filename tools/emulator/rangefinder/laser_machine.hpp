@@ -23,8 +23,8 @@ class OutboxLine {
   OutboxLine& operator=(const OutboxLine&) = delete;
   virtual ~OutboxLine() = default;
 
-  /// Sends `bytes` at `at` or as soon as the line is free, and tells when it begins to be sent; nothing when
-  /// it was dropped whole.
+  /// Sends `bytes` at `at` or as soon as the line is free, and returns when it begins to be sent; nothing
+  /// when it was dropped whole.
   virtual std::optional<Stamp> put(std::span<const std::uint8_t> bytes, Stamp at, Urgency urgency) = 0;
 };
 
@@ -62,7 +62,7 @@ struct OutboxDelays {
 };
 
 /// What a rangefinder has to say, each message after its delay. Records stay in their order, and so do
-/// answers; an answer may overtake a record. The scene is told of every reading that gets to the wire.
+/// answers; an answer may overtake a record. The scene gets every reading that gets to the wire.
 class Outbox {
  public:
   Outbox(OutboxLine& line, RangeScene& scene, const OutboxDelays& delays, std::uint64_t seed);
@@ -70,7 +70,7 @@ class Outbox {
   /// A record of readings that were measured at `measured` (in order) and finished at `at`.
   void put_record(std::span<const std::uint8_t> bytes, std::span<const Stamp> measured, Stamp at);
 
-  /// An answer to what arrived at `at`; `measured` when it tells readings.
+  /// An answer to what arrived at `at`; `measured` when it holds readings.
   void put_answer(std::span<const std::uint8_t> bytes, Stamp at, std::span<const Stamp> measured = {});
 
   /// When release() would send the next message; hal::kNever when none waits.
@@ -145,7 +145,7 @@ struct Sight {
 /// Echo strength by the law of diffuse reflection: falls with the square of the range, up to a ceiling.
 struct StrengthModel {
   double at_1m = 0.0;    ///< of a white target one metre away, were there no ceiling
-  double ceiling = 0.0;  ///< most that the device tells
+  double ceiling = 0.0;  ///< most that the device reports
 
   [[nodiscard]] double of(const Sight& sight) const;
 };

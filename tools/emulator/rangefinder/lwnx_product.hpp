@@ -92,7 +92,7 @@ struct LwnxRegister {
 /// What a bit of the distance output stands for. Only one echo is emulated: the last return is the first.
 enum class LwnxField : std::uint8_t {
   Raw,
-  Filtered,  ///< closest, median or furthest of the last few: told as the raw one
+  Filtered,  ///< closest, median or furthest of the last few: reported as the raw one
   Strength,  ///< per cent
   Noise,
   Temperature,  ///< 1/100 degC
