@@ -5,7 +5,6 @@
 #include "core/decision/scan_view.hpp"
 #include "core/detection/landmark_detector.hpp"
 #include "core/fix.hpp"
-#include "core/landmark.hpp"
 #include "core/mapping/atlas.hpp"
 #include "core/mapping/hypothesis_set.hpp"
 #include "core/memory/arena.hpp"

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/attitude.hpp"
 #include "core/reading.hpp"
 
 #include <Eigen/Core>

@@ -10,11 +10,11 @@
 #include "core/decision/rates.hpp"
 #include "core/decision/scan_view.hpp"
 #include "core/fix.hpp"
-#include "core/landmark.hpp"
 #include "core/mapping/map_state.hpp"
 #include "core/mapping/sighting_graph.hpp"
 #include "core/memory/arena.hpp"
 #include "core/memory/bounded_vector.hpp"
+#include "core/reading.hpp"
 
 #include <array>
 #include <cstdint>

@@ -5,13 +5,13 @@
 #include "core/config.hpp"
 #include "core/deadline.hpp"
 #include "core/fix.hpp"
-#include "core/landmark.hpp"
 #include "core/mapping/hypothesis.hpp"
 #include "core/mapping/map_builder.hpp"
 #include "core/mapping/map_state.hpp"
 #include "core/memory/arena.hpp"
 #include "core/memory/bounded_vector.hpp"
 #include "core/memory/fixed_vector.hpp"
+#include "core/reading.hpp"
 
 #include <array>
 #include <cstdint>

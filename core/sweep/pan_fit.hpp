@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/memory/bounded_vector.hpp"
-#include "core/sweep/samples.hpp"
 #include "core/sweep/sweep_config.hpp"
+#include "core/sweep/swept_line.hpp"
 
 #include <chrono>
 #include <cstddef>

@@ -4,7 +4,6 @@
 #include "core/reading.hpp"
 #include "core/sweep/latency_calibration.hpp"
 #include "core/sweep/pan_fit.hpp"
-#include "core/sweep/samples.hpp"
 #include "core/sweep/swept_line.hpp"
 
 #include <array>

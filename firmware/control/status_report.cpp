@@ -1,7 +1,7 @@
 #include "firmware/control/status_report.hpp"
 
 #include "core/config.hpp"
-#include "core/fix_names.hpp"
+#include "core/fix.hpp"
 #include "firmware/status/status_text.hpp"
 #include "firmware/supervision/log.hpp"
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "core/fix.hpp"
-#include "core/landmark.hpp"
 #include "core/limits.hpp"
 #include "core/mapping/map_state.hpp"
+#include "core/reading.hpp"
 #include "firmware/config/sensor_config.hpp"
 #include "firmware/daemon/handover.hpp"
 #include "firmware/pipeline.hpp"

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/fix.hpp"
-#include "core/landmark.hpp"
 #include "core/mapping/landmark_map.hpp"
+#include "core/reading.hpp"
 #include "firmware/lcm/message.hpp"
 #include "firmware/status/sensor_status.hpp"
 #include "hal/stamp.hpp"

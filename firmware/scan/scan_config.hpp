@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/attitude.hpp"
 #include "core/config.hpp"
+#include "core/reading.hpp"
 #include "core/sweep/sweep_config.hpp"
 
 #include <cstdint>

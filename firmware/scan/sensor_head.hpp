@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/attitude.hpp"
 #include "core/reading.hpp"
 #include "core/sweep/latency_calibration.hpp"
 #include "core/sweep/motion_detector.hpp"

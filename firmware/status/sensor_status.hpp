@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/attitude.hpp"
 #include "core/fix.hpp"
+#include "core/reading.hpp"
 #include "hal/counters.hpp"
 #include "hal/device.hpp"
 #include "hal/fixed_text.hpp"

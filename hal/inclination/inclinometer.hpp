@@ -11,7 +11,7 @@ namespace slamsensor::hal {
 
 /// How an inclinometer leans. Its axes: x forward, y left, z up (REP 103). Both angles are right-handed, roll
 /// about x (positive: left side up), pitch about y (positive: front down), in the order that
-/// core/attitude.hpp defines.
+/// core/reading.hpp defines.
 struct Inclination {
   Stamp stamp{};  ///< middle of the measurement
   double roll_rad = 0.0;

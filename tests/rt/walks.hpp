@@ -2,7 +2,6 @@
 
 #include "core/config.hpp"
 #include "core/fix.hpp"
-#include "core/landmark.hpp"
 #include "core/reading.hpp"
 #include "core/slam.hpp"
 

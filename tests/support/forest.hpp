@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/geometry/pose2.hpp"
-#include "core/landmark.hpp"
+#include "core/reading.hpp"
 
 #include <algorithm>
 #include <cmath>

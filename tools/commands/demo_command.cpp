@@ -1,4 +1,4 @@
-#include "core/fix_names.hpp"
+#include "core/fix.hpp"
 #include "tools/commands/command.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/input/text_files.hpp"

@@ -1,4 +1,4 @@
-#include "core/fix_names.hpp"
+#include "core/fix.hpp"
 #include "core/localizer.hpp"
 #include "firmware/arena_block.hpp"
 #include "hal/stamp.hpp"

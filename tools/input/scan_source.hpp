@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/landmark.hpp"
 #include "core/reading.hpp"
 #include "firmware/config/sensor_config.hpp"
 #include "tools/input/text.hpp"

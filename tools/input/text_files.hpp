@@ -2,7 +2,6 @@
 
 #include "core/config.hpp"
 #include "core/geometry/pose2.hpp"
-#include "core/landmark.hpp"
 #include "core/reading.hpp"
 #include "firmware/config/sensor_config.hpp"
 #include "firmware/scan/scan_config.hpp"

@@ -1,6 +1,6 @@
 #include "tools/output/result_files.hpp"
 
-#include "core/fix_names.hpp"
+#include "core/fix.hpp"
 #include "firmware/store/map_names.hpp"
 #include "tools/output/text_output.hpp"
 

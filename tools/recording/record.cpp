@@ -2,7 +2,7 @@
 
 #include "core/detection/levelling.hpp"
 #include "core/fix.hpp"
-#include "core/landmark.hpp"
+#include "core/reading.hpp"
 #include "firmware/config/list_config.hpp"
 #include "firmware/lcm/lcm_publisher.hpp"
 #include "firmware/output/nmea.hpp"

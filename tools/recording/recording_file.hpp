@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/fix.hpp"
-#include "core/landmark.hpp"
+#include "core/reading.hpp"
 #include "firmware/lcm/lcm_messages.hpp"
 #include "firmware/recording/event_log.hpp"
 #include "tools/input/text.hpp"

@@ -1,6 +1,6 @@
 #include "tools/replay/replay_report.hpp"
 
-#include "core/fix_names.hpp"
+#include "core/fix.hpp"
 #include "firmware/output/nmea.hpp"
 #include "tools/output/result_files.hpp"
 #include "tools/plot/map_plot.hpp"

@@ -1,7 +1,7 @@
 #include "tools/top/top_frame.hpp"
 
 #include "core/config.hpp"
-#include "core/fix_names.hpp"
+#include "core/fix.hpp"
 #include "firmware/status/status_text.hpp"
 #include "tools/output/text_output.hpp"
 

@@ -1,6 +1,6 @@
 #include "tools/view/sensor_story.hpp"
 
-#include "core/fix_names.hpp"
+#include "core/fix.hpp"
 #include "firmware/status/status_text.hpp"
 
 #include <algorithm>

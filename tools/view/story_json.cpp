@@ -1,6 +1,6 @@
 #include "tools/view/story_json.hpp"
 
-#include "core/fix_names.hpp"
+#include "core/fix.hpp"
 #include "firmware/output/nmea.hpp"
 #include "firmware/status/status_text.hpp"
 

@@ -1,4 +1,4 @@
-#include "core/detection/clusters.hpp"
+#include "core/detection/scanline.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
 #include "core/detection/scanline.hpp"
 
-#include "core/detection/clusters.hpp"
 #include "tests/unit/core/detection/detection_support.hpp"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "core/fix_names.hpp"
+#include "core/fix.hpp"
 #include "tools/output/text_output.hpp"
 
 #include <gtest/gtest.h>

@@ -2,8 +2,8 @@
 
 #include "tools/emulator/canopen/emulated_inclinometer.hpp"
 
-#include "core/attitude.hpp"
 #include "core/config.hpp"
+#include "core/reading.hpp"
 #include "hal/inclination/cia410.hpp"
 #include "tests/support/source_tree.hpp"
 #include "tools/emulator/emulated_head.hpp"
