@@ -152,7 +152,7 @@ TEST_P(GpioContract, AnOutputDrivesItsWire) {
   EXPECT_EQ(output->level(), GpioLevel::Inactive);
 }
 
-TEST_P(GpioContract, AnOutputStartsWhereItIsToldAndTurnsOverWhenActiveLow) {
+TEST_P(GpioContract, AnOutputStartsWhereItIsSetAndTurnsOverWhenActiveLow) {
   {
     const auto output = rig_->output(GpioPolarity::ActiveHigh, GpioLevel::Active);
     EXPECT_EQ(rig_->seen(), Wire::High);

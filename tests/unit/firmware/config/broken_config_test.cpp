@@ -93,7 +93,7 @@ class BrokenConfig : public testing::Test {
   tools::TempFolder folder;
 };
 
-TEST_F(BrokenConfig, IsToldWhereAndWhyAndWhatToDo) {
+TEST_F(BrokenConfig, SaysWhereAndWhyAndWhatToDo) {
   std::vector<Case> all = cases();
   all.push_back({"bytes that are no text", "\xff\xfe[detection]\n", {}});
   all.push_back({"a program",
@@ -130,7 +130,7 @@ TEST_F(BrokenConfig, IsToldWhereAndWhyAndWhatToDo) {
   }
 }
 
-TEST_F(BrokenConfig, FileThatIsNoneIsToldSo) {
+TEST_F(BrokenConfig, FileThatIsNoneIsReported) {
   const std::filesystem::path here = folder.path();
   EXPECT_EQ(messages(here / "absent.toml"),
             "absent.toml: cannot be opened: No such file or directory; check the name and the permissions\n");
@@ -143,7 +143,7 @@ TEST_F(BrokenConfig, FileThatIsNoneIsToldSo) {
   EXPECT_EQ(messages("/proc/self/mem"), "mem: cannot be read: Input/output error\n");
 }
 
-TEST_F(BrokenConfig, FileWithoutPermissionIsToldSo) {
+TEST_F(BrokenConfig, FileWithoutPermissionIsReported) {
   if (geteuid() == 0) {
     GTEST_SKIP() << "root may read every file; run as another user";
   }
@@ -153,7 +153,7 @@ TEST_F(BrokenConfig, FileWithoutPermissionIsToldSo) {
             "f.toml: cannot be opened: Permission denied; check the name and the permissions\n");
 }
 
-TEST_F(BrokenConfig, DropInThatCannotBeReadIsToldSo) {
+TEST_F(BrokenConfig, DropInThatCannotBeReadIsReported) {
   folder.write("f.toml", "");
   std::filesystem::create_directories(folder.path() / "f.toml.d" / "a.toml");
   std::filesystem::create_symlink("nowhere", folder.path() / "f.toml.d" / "b.toml");

@@ -75,7 +75,7 @@ TEST_F(Layers, LieOverEachOtherInOrder) {
   EXPECT_EQ(layered.current().origin("nmea.rate_hz").short_text(), "control socket");
 }
 
-TEST_F(Layers, TellTheMistakesOfAllAtOnce) {
+TEST_F(Layers, ReportTheMistakesOfAllAtOnce) {
   folder.write("f.toml", "[nmea]\nrate_hz = 99.0\n");
   folder.write("f.toml.d/a.toml", "[nmea\n");
   folder.write("f.toml.d/b.toml", "[fix]\nstale_s = 0\n[scan]\npan_min_deg = 10.0\n");

@@ -90,7 +90,7 @@ TEST_F(ControlServerTest, AClientThatWaitsWithItsSendingSideClosedGetsItsAnswer)
   EXPECT_EQ(hear(client), "OK saved\n<end>");
 }
 
-TEST_F(ControlServerTest, OneTooManyIsToldSoUntilSomebodyHasBeenSilentForLong) {
+TEST_F(ControlServerTest, OneTooManyIsRefusedUntilSomebodyHasBeenSilentForLong) {
   config.clients_max = 2;
   config.idle_min = 60s;
   start();

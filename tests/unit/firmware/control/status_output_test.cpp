@@ -52,14 +52,14 @@ TEST(FixJson, APoseInALocalMapNamesThatMap) {
   EXPECT_THAT(fix_text(status), Contains("map:            4, local: its place is not known yet"));
 }
 
-TEST(FixText, TellsMapAndProtectionRadius) {
+TEST(FixText, ReportsMapAndProtectionRadius) {
   const auto lines = fix_text(fixed_status());
   EXPECT_THAT(lines, Contains("map:            2, home"));
   EXPECT_THAT(lines, Contains("1 sigma near:   0.030 m, 0.57 deg"));
   EXPECT_THAT(lines, Contains("protection:     1.050 m, exceeded with at most the configured risk"));
 }
 
-TEST(StatusText, TellsLocalMaps) {
+TEST(StatusText, ReportsLocalMaps) {
   SensorStatus status = fixed_status();
   EXPECT_THAT(status_text(status), Not(Contains(HasSubstr("local map"))));
   status.slam.local_maps = 1;
@@ -77,7 +77,7 @@ TEST(StatusText, BeforeTheFirstScanItSaysSo) {
   EXPECT_THAT(fix_json(status), HasSubstr(R"("status":"no_fix","reason":"no_scan")"));
 }
 
-TEST(StatusJson, TellsNeverAsNull) {
+TEST(StatusJson, ShowsNeverAsNull) {
   SensorStatus status = fixed_status();
   status.map_saved_ago = hal::kNever;
   status.report.time_to_first_fix.reset();

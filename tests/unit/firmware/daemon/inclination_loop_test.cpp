@@ -33,7 +33,7 @@ class Feed : public testing::Test {
   hal::Stamp now = std::chrono::seconds(100);
 };
 
-TEST_F(Feed, TellsEachMeasurementOnce) {
+TEST_F(Feed, ReportsEachMeasurementOnce) {
   EXPECT_FALSE(feed.step(now));
   post(report_at(now, 0.25));
   const auto order = feed.step(now);

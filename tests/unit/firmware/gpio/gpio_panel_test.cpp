@@ -140,7 +140,7 @@ TEST_F(GpioPanelTest, AnInterlockThatCannotBeReadIsOpen) {
   EXPECT_EQ(inputs().count(GpioInputEvent::InterlockLost), 1U);
 }
 
-TEST_F(GpioPanelTest, TheLedTellsTheState) {
+TEST_F(GpioPanelTest, TheLedShowsTheState) {
   const std::vector<std::pair<SensorState, Wire>> steady = {{SensorState::Fixed, Wire::High},
                                                             {SensorState::Ambiguous, Wire::Low},
                                                             {SensorState::Lost, Wire::Low},
@@ -200,7 +200,7 @@ TEST_F(GpioPanelTest, AnOutputThatFailsIsCountedAndTheOtherWorksOn) {
   EXPECT_EQ(outputs().count(GpioOutputEvent::PulseFailed), 0U);
 }
 
-TEST(GpioPanelOpen, ALineThatIsNotThereIsToldWithItsSetting) {
+TEST(GpioPanelOpen, ALineThatIsNotThereIsReportedWithItsSetting) {
   const std::vector<std::pair<std::string, std::string>> lines = {
       {"1", "gpio.trigger"}, {"2", "gpio.interlock"}, {"3", "gpio.led"}, {"4", "gpio.pulse"}};
   for (const auto& [line, setting] : lines) {
@@ -214,7 +214,7 @@ TEST(GpioPanelOpen, ALineThatIsNotThereIsToldWithItsSetting) {
   }
 }
 
-TEST(GpioPanelOpen, TheKernelsChipThatIsNotThereIsToldToo) {
+TEST(GpioPanelOpen, TheKernelsChipThatIsNotThereIsReportedToo) {
   GpioConfig config;
   config.interlock.chip = "/dev/no-such-gpiochip";
   const auto made = GpioPanel::open(config);

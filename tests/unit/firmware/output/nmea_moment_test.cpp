@@ -19,7 +19,7 @@ class NmeaMoments : public testing::Test {
   NmeaContext context_{.geo = &geo_};
 };
 
-TEST_F(NmeaMoments, AnEpochBetweenScansHasItsOwnTimeAndTellsTheAgeOfTheScan) {
+TEST_F(NmeaMoments, AnEpochBetweenScansHasItsOwnTimeAndReportsTheAgeOfTheScan) {
   context_.zda = true;
   context_.moment = NmeaMoment{.utc = good_fix().time.middle_utc + 83s + 800ms, .age = 83s + 800ms};
   const std::vector<std::string> sentences = lines(good_fix(), context_);

@@ -139,7 +139,7 @@ TEST_F(Publisher, ADeviceThatIsLostEndsTheFixAtOnceAndItsReturnAloneDoesNotBring
   }
 }
 
-TEST_F(Publisher, AnAmbiguousPoseIsToldOnTheMapAlone) {
+TEST_F(Publisher, AnAmbiguousPoseIsReportedOnTheMapAlone) {
   scan(core::FixStatus::Ambiguous, 400ms);
   run_to(1050ms);
   EXPECT_THAT(sink_.bytes(), HasSubstr(",V,,"));
@@ -148,7 +148,7 @@ TEST_F(Publisher, AnAmbiguousPoseIsToldOnTheMapAlone) {
   EXPECT_EQ(pslma[1][3], "U");
 }
 
-TEST_F(Publisher, AFixIsToldInTheStateFixedAlone) {
+TEST_F(Publisher, AFixIsReportedInTheStateFixedAlone) {
   scan(core::FixStatus::Fix, 400ms);
   status_.report.monotonic = kUptime;
   for (const SensorState state : {SensorState::Starting, SensorState::Scanning, SensorState::Ambiguous,

@@ -51,7 +51,7 @@ TEST_F(RecorderTest, RefusesWhatLcmCannotCarry) {
   EXPECT_EQ(log->bytes(), 28U + 63U + 1U);
 }
 
-TEST_F(RecorderTest, LeavesAnExistingFileAloneUnlessTold) {
+TEST_F(RecorderTest, LeavesAnExistingFileAloneUnlessAsked) {
   std::ofstream(path_) << "precious";
   const auto refused = Recorder::create({.path = path_});
   ASSERT_FALSE(refused);
@@ -77,7 +77,7 @@ TEST_F(RecorderTest, EndsWithWholeEventsAtItsLargestSize) {
   EXPECT_EQ(recorder->state(), RecorderState::Full);
 }
 
-TEST(Recorder, AFullDiskEndsItAndIsTold) {
+TEST(Recorder, AFullDiskEndsItAndIsReported) {
   auto recorder = Recorder::create({.path = "/dev/full", .existing = ExistingFile::Replace});
   ASSERT_TRUE(recorder) << recorder.error().message;
   recorder->message(0, "CHANNEL", Bytes(100));

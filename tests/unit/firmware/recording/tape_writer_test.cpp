@@ -61,7 +61,7 @@ TEST(TapeWriter, ChunksAreNumberedWholeAndBounded) {
   EXPECT_EQ(tape.lost(), 0U);
 }
 
-TEST(TapeWriter, TellsOfALostChunkAtTheStartOfTheNext) {
+TEST(TapeWriter, ReportsALostChunkAtTheStartOfTheNext) {
   KeptChunks kept;
   TapeWriter tape(kept);
   kept.has_room = false;

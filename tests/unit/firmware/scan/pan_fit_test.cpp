@@ -98,7 +98,7 @@ TEST(PanFit, FindsStartAndSpeedOfALineThroughRoundingAndJitter) {
   }
 }
 
-TEST(PanFit, ToldSigmaIsThatOfTheError) {
+TEST(PanFit, ReportedSigmaIsThatOfTheError) {
   double sum = 0.0;
   constexpr int kLines = 200;
   for (std::uint64_t seed = 1; seed <= kLines; ++seed) {
@@ -156,7 +156,7 @@ TEST(PanFit, RoundingDownIsTakenIntoAccount) {
   EXPECT_GT(rms_mdeg(line, *naive), 18.0);  // half a position is 25.7
 }
 
-TEST(PanFit, RefusesWhatTellsTooLittle) {
+TEST(PanFit, RefusesWhatShowsTooLittle) {
   Line line = make_line({});
   line.polls.resize(8);  // the axis has hardly left
   EXPECT_EQ(fit(line).error(), PanFitProblem::TooFewPolls);

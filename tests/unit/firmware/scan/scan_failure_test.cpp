@@ -44,7 +44,7 @@ void expect_recovery(HeadRig& rig) {
   EXPECT_THAT(told(rig), IsEmpty());
 }
 
-TEST(ScanFailure, ABlockedAxisIsToldAtItsFirstStall) {
+TEST(ScanFailure, ABlockedAxisIsReportedAtItsFirstStall) {
   HeadRig rig = scanning_rig();
   rig.run(60.0, 1);
   EXPECT_FALSE(rig.head.is_failing());
@@ -63,7 +63,7 @@ TEST(ScanFailure, ABlockedAxisIsToldAtItsFirstStall) {
   expect_recovery(rig);
 }
 
-TEST(ScanFailure, ARefusedMoveIsToldWithTheMove) {
+TEST(ScanFailure, ARefusedMoveIsReportedWithTheMove) {
   HeadRig rig = scanning_rig();
   rig.unit.answer = hal::MoveStatus::OutOfRange;
   EXPECT_LT(run_until_failing(rig, 60.0), 1.0);
@@ -83,7 +83,7 @@ TEST(ScanFailure, AUnitThatTakesNoMoveStandsStill) {
   expect_recovery(rig);
 }
 
-TEST(ScanFailure, WithoutReadingsTheThirdLineTells) {
+TEST(ScanFailure, WithoutReadingsTheThirdLineSaysWhy) {
   SensorHeadConfig config = short_scan();
   config.scan.lines_rejected_max_share = 1.0;  // no scan is given up for them
   HeadRig rig(config, kUnit, kRange, posts);
@@ -97,7 +97,7 @@ TEST(ScanFailure, WithoutReadingsTheThirdLineTells) {
   expect_recovery(rig);
 }
 
-TEST(ScanFailure, AScanGivenUpForItsLinesTellsWhatTheyLacked) {
+TEST(ScanFailure, AScanGivenUpForItsLinesReportsWhatTheyLacked) {
   HeadRig rig = scanning_rig();
   rig.run(60.0, 1);
   rig.rangefinder.is_silent = true;
@@ -109,7 +109,7 @@ TEST(ScanFailure, AScanGivenUpForItsLinesTellsWhatTheyLacked) {
   expect_recovery(rig);
 }
 
-TEST(ScanFailure, PositionsThatComeTooLateAreToldOfThePanTiltUnit) {
+TEST(ScanFailure, PositionsThatComeTooLateAreBlamedOnThePanTiltUnit) {
   tests::FakePanTiltConfig slow = kUnit;
   slow.poll_hz = 0.5;
   HeadRig rig(short_scan(), slow, kRange, posts);
@@ -119,7 +119,7 @@ TEST(ScanFailure, PositionsThatComeTooLateAreToldOfThePanTiltUnit) {
   EXPECT_LE(told(rig).size(), 191U) << told(rig);
 }
 
-TEST(ScanFailure, ADeviceThatIsLostInEveryScanIsToldWhenItIsBack) {
+TEST(ScanFailure, ADeviceThatIsLostInEveryScanIsReportedWhenItIsBack) {
   for (const bool is_pan_tilt : {true, false}) {
     HeadRig rig = scanning_rig();
     rig.run(60.0, 1);

@@ -98,7 +98,7 @@ TEST(ScanPlan, RefusalsNameTheLimit) {
   EXPECT_EQ(refusal(config), PlanLimit::ReadingsPerLine);
 }
 
-TEST(ScanPlan, AUnitThatTellsNothingIsRefused) {
+TEST(ScanPlan, AUnitThatReportsNothingIsRefused) {
   hal::PanTiltInfo unit = paper_unit();
   unit.pan.resolution_rad = 0.0;
   EXPECT_EQ(refusal({}, unit), PlanLimit::PanResolution);

@@ -148,7 +148,7 @@ TEST(SensorHead, ASilentRangefinderGivesNoLines) {
   EXPECT_GE(rig.head.scheduler().count(SchedulerEvent::AbortedLinesRejected), 1U);
 }
 
-TEST(SensorHead, AnImpossiblePlanIsToldAndTriedAgain) {
+TEST(SensorHead, AnImpossiblePlanIsReportedAndTriedAgain) {
   HeadRig rig(short_scan(), kUnit, kRange, posts);
   const double reach_rad = rig.unit.info().pan.max_rad;
   rig.unit.info().pan.min_rad = 0.95 * reach_rad;

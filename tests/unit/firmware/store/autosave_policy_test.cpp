@@ -25,7 +25,7 @@ TEST(AutosavePolicy, AMapThatWasLoadedIsSaved) {
   EXPECT_TRUE(policy.is_unsaved(2));
 }
 
-TEST(AutosavePolicy, WithoutAPeriodNothingIsDueButUnsavedIsTold) {
+TEST(AutosavePolicy, WithoutAPeriodNothingIsDueButUnsavedIsReported) {
   AutosavePolicy policy(seconds(0), seconds(0));
   EXPECT_FALSE(policy.is_due(7, seconds(100'000)));
   EXPECT_TRUE(policy.is_unsaved(7));

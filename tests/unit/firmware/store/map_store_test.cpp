@@ -84,7 +84,7 @@ TEST(MapStore, AMissingMapGivesWayToTheGenerationBefore) {
   EXPECT_THAT(loaded->warning, HasSubstr("No such file"));
 }
 
-TEST(MapStore, WhenNoGenerationIsGoodBothReasonsAreTold) {
+TEST(MapStore, WhenNoGenerationIsGoodBothReasonsAreReported) {
   StoreBench bench;
   (void)bench.folder.write("m.slammap", "");
   (void)bench.folder.write("m.slammap.1", "x");

@@ -128,7 +128,7 @@ TEST_F(LogTest, ManyDifferentMessagesPushOutTheOldestWithItsSum) {
   EXPECT_THAT(written(), HasSubstr("<6>repeated 1 times more: first\n"));
 }
 
-TEST_F(LogTest, FlushTellsAll) {
+TEST_F(LogTest, FlushWritesAll) {
   config.repeats_per_minute = 1;
   Log log(config);
   log.error("x");

@@ -51,7 +51,7 @@ struct ServiceNotifierTest : testing::Test {
 
 using Messages = std::vector<std::string>;
 
-TEST_F(ServiceNotifierTest, TellsAManagerAtAPath) {
+TEST_F(ServiceNotifierTest, ReachesAManagerAtAPath) {
   listen(path);
   ServiceNotifier notifier = ServiceNotifier::from_environment();
   EXPECT_TRUE(notifier.is_managed());
@@ -64,14 +64,14 @@ TEST_F(ServiceNotifierTest, TellsAManagerAtAPath) {
                                "EXTEND_TIMEOUT_USEC=2000000", "STOPPING=1", "WATCHDOG=1"}));
 }
 
-TEST_F(ServiceNotifierTest, TellsAManagerInTheAbstractSpace) {
+TEST_F(ServiceNotifierTest, ReachesAManagerInTheAbstractSpace) {
   listen(abstract);
   ServiceNotifier notifier = ServiceNotifier::from_environment();
   notifier.ready();
   EXPECT_EQ(heard(), Messages{"READY=1"});
 }
 
-TEST_F(ServiceNotifierTest, AStatusIsOneLineAndToldWhenItChanges) {
+TEST_F(ServiceNotifierTest, AStatusIsOneLineAndReportedWhenItChanges) {
   listen(path);
   ServiceNotifier notifier = ServiceNotifier::from_environment();
   notifier.status("fixed\nREADY=1");

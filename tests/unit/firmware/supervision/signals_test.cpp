@@ -68,7 +68,7 @@ TEST(Signals, NoneThatIsNoFaultOfTheProgramEndsIt) {
   EXPECT_EQ(signals->take(), Order::Stop);
 }
 
-TEST(ExitStatus, TellsApartWhatARestartCannotMend) {
+TEST(ExitStatus, DistinguishesWhatARestartCannotMend) {
   EXPECT_EQ(exit_status(ExitReason::Ordered), 0);
   EXPECT_EQ(exit_status(ExitReason::Usage), 64);
   EXPECT_EQ(exit_status(ExitReason::Config), 78);

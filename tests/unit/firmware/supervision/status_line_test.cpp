@@ -9,14 +9,14 @@
 namespace slamsensor::firmware {
 namespace {
 
-TEST(StatusLine, TellsFixMapAndDevices) {
+TEST(StatusLine, ReportsFixMapAndDevices) {
   EXPECT_EQ(
       status_line(fixed_status()),
       "fixed x=12.50 m y=-3.25 m heading=0.0 deg, 23 of 30 landmarks, map 'default' 512 landmarks; pan-tilt "
       "ready; rangefinder: no reply at 9600 baud; check cable");
 }
 
-TEST(StatusLine, TellsWhyThereIsNone) {
+TEST(StatusLine, SaysWhyThereIsNone) {
   SensorStatus status = fixed_status();
   status.state = SensorState::Lost;
   status.report.fix.status = core::FixStatus::NoFix;

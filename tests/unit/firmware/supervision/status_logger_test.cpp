@@ -81,7 +81,7 @@ TEST_F(StatusLoggerTest, AFixIsFoundLostAndFoundAgain) {
   EXPECT_THAT(said(), ElementsAre(StartsWith("notice fix found again: x=13.00")));
 }
 
-TEST_F(StatusLoggerTest, AHeadThatMakesNoScansIsToldOnceAMinute) {
+TEST_F(StatusLoggerTest, AHeadThatMakesNoScansIsReportedOnceAMinute) {
   begin();
   status.head.failing = true;
   status.state = SensorState::Faulted;
@@ -98,7 +98,7 @@ TEST_F(StatusLoggerTest, AHeadThatMakesNoScansIsToldOnceAMinute) {
   EXPECT_THAT(said(), ElementsAre("notice scans come about again"));
 }
 
-TEST_F(StatusLoggerTest, HoldsProblemsJumpsAndModesAreTold) {
+TEST_F(StatusLoggerTest, HoldsProblemsJumpsAndModesAreReported) {
   begin();
   status.head.held = true;
   status.head.problem = ProblemText("interlock open");

@@ -48,7 +48,7 @@ TEST(Debouncer, HandsOutWhatHadSettledBeforeTheNextEdge) {
   expect_event(debouncer.settle(ms(200)), GpioEdge::ToActive, ms(100));
 }
 
-TEST(Debouncer, ToldTheSameLevelTwiceStartsItsWaitAgain) {
+TEST(Debouncer, TheSameLevelTwiceStartsItsWaitAgain) {
   Debouncer debouncer(ms(10), GpioLevel::Inactive);
   EXPECT_FALSE(debouncer.take({GpioEdge::ToActive, ms(100)}));
   EXPECT_FALSE(debouncer.take({GpioEdge::ToActive, ms(105)}));  // the edge between was lost

@@ -30,7 +30,7 @@ TEST(OpenGpio, RefusesAnImpossibleDebounceTime) {
   }
 }
 
-TEST(OpenGpio, TellsAnOffsetFromAName) {
+TEST(OpenGpio, DistinguishesAnOffsetFromAName) {
   EXPECT_EQ(offset_of({"", "17"}), 17U);
   EXPECT_EQ(offset_of({"", "0"}), 0U);
   for (const char* const name : {"", "PPS", "17a", "-1", " 1", "99999999999"}) {

@@ -172,7 +172,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Refusal{"on its side", {{0x602000, 9'000}}, {}, "cannot be"},
                     Refusal{"both slopes", {{0x601000, 6'000}, {0x602000, 6'000}}, {}, "cannot be"}));
 
-TEST(Cia410, SilenceIsToldAndEnds) {
+TEST(Cia410, SilenceIsReportedAndEnds) {
   Bench bench;
   ASSERT_TRUE(bench.measured());
   bench.silent = true;

@@ -116,7 +116,7 @@ TEST_F(Accelerometer, RefusesWhatIsNotGravityAlone) {
   EXPECT_EQ(driver->state(), DeviceState::Ready);
 }
 
-TEST_F(Accelerometer, AbsentDeviceIsToldAndFoundLater) {
+TEST_F(Accelerometer, AbsentDeviceIsReportedAndFoundLater) {
   open("lis3dh");
   EXPECT_FALSE(measured());
   EXPECT_EQ(driver->state(), DeviceState::Absent);

@@ -23,7 +23,7 @@ class PtuMotion : public testing::Test {
   PtuBench bench;
 };
 
-TEST_F(PtuMotion, SweepsAtConstantSpeedAndTellsWhereItWas) {
+TEST_F(PtuMotion, SweepsAtConstantSpeedAndReportsWhereItWas) {
   const auto samples = bench.sweep(Axis::Pan, 2500, 1000);
   EXPECT_NEAR(static_cast<double>(samples.size()), 2.5 * 40.0, 6.0);
   expect_true(samples, bench.unit, bench.rad(1));
@@ -122,7 +122,7 @@ TEST_F(PtuMotion, AnAxisErrorLeadsToAReset) {
   EXPECT_EQ(bench.unit.count("R"), 1);
 }
 
-TEST_F(PtuMotion, HaltStopsBothAxesAndTellsWhereTheyStand) {
+TEST_F(PtuMotion, HaltStopsBothAxesAndReportsWhereTheyStand) {
   ASSERT_EQ(bench.driver->move(Axis::Pan, bench.rad(2500), bench.rad(1000)), MoveStatus::Accepted);
   bench.run(seconds(1));
   ASSERT_EQ(bench.driver->halt(), MoveStatus::Accepted);

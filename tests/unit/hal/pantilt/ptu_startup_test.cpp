@@ -59,7 +59,7 @@ TEST_P(PtuRatesFound, WhereverTheUnitWasLeft) {
 
 INSTANTIATE_TEST_SUITE_P(All, PtuRatesFound, testing::Values(9600, 38400, 19200, 57600, 115200));
 
-TEST(PtuStartup, SilenceIsToldAndTheUnitFoundWhenItComes) {
+TEST(PtuStartup, SilenceIsReportedAndTheUnitFoundWhenItComes) {
   PtuBench bench;
   bench.unit.mute_until = bench.now + seconds(40);
   bench.run(seconds(1));

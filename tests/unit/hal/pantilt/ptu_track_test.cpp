@@ -30,7 +30,7 @@ class Track : public testing::Test {
   PtuTrack track;
 };
 
-TEST_F(Track, ARestingAxisTellsItsPlaceExactly) {
+TEST_F(Track, ARestingAxisReportsItsPlaceExactly) {
   EXPECT_EQ(see(0, -500), PtuVerdict::Believed);
   EXPECT_EQ(see(10, -50), PtuVerdict::Implausible);
   EXPECT_EQ(see(20, 500), PtuVerdict::Implausible);

@@ -63,7 +63,7 @@ TEST(LwnxDriver, WhereTheLineRateMeansNothingASilentDeviceIsFoundAgain) {
   }
 }
 
-TEST(LwnxDriver, ADeviceAtALineRateThatIsTooLowIsToldUntilItIsAtAnother) {
+TEST(LwnxDriver, ADeviceAtALineRateThatIsTooLowIsReportedUntilItIsAtAnother) {
   RangeBench bench;
   bench.device_baud = 19'200;
   LightWare device;
@@ -108,7 +108,7 @@ TEST(LwnxDriver, AfterASilenceTheLineRateThatWorkedIsTriedBetweenTheOthers) {
   EXPECT_EQ(bench.link.baud(), 460800u);
 }
 
-TEST(LwnxDriver, ChangesTheLineRateForGoodWhenToldTo) {
+TEST(LwnxDriver, ChangesTheLineRateForGoodWhenAsked) {
   RangeBench bench;
   LightWare device;
   LwnxConfig config = config_at(388.0);

@@ -45,7 +45,7 @@ const NoReturn kNoReturns[] = {
 
 INSTANTIATE_TEST_SUITE_P(Products, NoReturns, testing::ValuesIn(kNoReturns));
 
-TEST(LwnxReadings, GrfTellsDecimetres) {
+TEST(LwnxReadings, GrfReportsDecimetres) {
   RangeBench bench;
   LightWare device;
   device.name = "GRF-500";
@@ -79,7 +79,7 @@ TEST(LwnxReadings, MillimetresWhereTheProductHasThem) {
   EXPECT_NEAR(bench.samples[0].range_m, 1.234, 1e-9);
 }
 
-TEST(LwnxReadings, StrengthLimitsTellWeakAndSaturated) {
+TEST(LwnxReadings, StrengthLimitsShowWeakAndSaturated) {
   RangeBench bench;
   LightWare device;
   int strength = 50;
@@ -180,7 +180,7 @@ TEST_F(LwnxRaw, ReadingsComeAt20kHz) {
   }
 }
 
-TEST(LwnxReadings, LineTooSlowForTheReadingsIsTold) {
+TEST(LwnxReadings, LineTooSlowForTheReadingsIsReported) {
   RangeBench bench;
   LightWare device;
   LwnxConfig config;

@@ -16,8 +16,8 @@ namespace slamsensor::tests {
 using hal::Stamp;
 using std::chrono::milliseconds;
 
-/// A rangefinder driver, the line and a device on it that a test plays: told of each request, it answers with
-/// bytes; and of each millisecond, it says what it sends by itself.
+/// A rangefinder driver, the line and a device on it that a test plays: to each request it answers with
+/// bytes, and for each millisecond it says what it sends by itself.
 struct RangeBench {
   ScriptedLink link;
   std::unique_ptr<hal::Rangefinder> driver;

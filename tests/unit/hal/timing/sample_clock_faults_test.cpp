@@ -213,7 +213,7 @@ TEST_P(FaultyStream, SteadyFaultsAreInDoubtUntilTheyEnd) {
   }
 }
 
-TEST_P(FaultyStream, DoubtTellsTheRate) {
+TEST_P(FaultyStream, DoubtReportsTheRate) {
   const Outcome slow = run(GetParam(), other_rate("period 5 % longer", 0.05 - GetParam().off), 5);
   EXPECT_NEAR(slow.apparent_hz * 1.05 / GetParam().rate_hz, 1.0, 0.01);
   const Outcome fast = run(GetParam(), other_rate("period 5 % shorter", -0.05 - GetParam().off), 5);

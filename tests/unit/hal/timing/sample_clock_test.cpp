@@ -244,7 +244,7 @@ TEST(SampleClock, BlockIsSpreadBackwardsOverItsReadings) {
   }
 }
 
-TEST(SampleClock, PassesArrivalsThroughWhenToldSo) {
+TEST(SampleClock, PassesArrivalsThroughWhenAsked) {
   SampleClock clock({.timing = SampleTiming::AsArrived});
   clock.set_rate(1000.0);
   EXPECT_TRUE(clock.settled());

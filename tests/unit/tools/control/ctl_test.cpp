@@ -174,7 +174,7 @@ TEST_F(CtlTest, AnAnswerThatDoesNotComeIsATimeout) {
   EXPECT_EQ(answer.error().exit_status, EX_TEMPFAIL);
 }
 
-TEST_F(CtlTest, ADaemonThatGoesIsToldFromAnother) {
+TEST_F(CtlTest, ADaemonThatGoesIsDistinguishedFromAnother) {
   auto daemon = std::make_unique<Daemon>(options.socket);
   auto connected = client();
   daemon.reset();

@@ -82,7 +82,7 @@ class PseudoTerminalTest : public ::testing::Test {
   std::filesystem::path name_ = folder_ / "ptu0";
 };
 
-TEST_F(PseudoTerminalTest, TellsWhetherAHostIsThereAndItsRate) {
+TEST_F(PseudoTerminalTest, ReportsWhetherAHostIsThereAndItsRate) {
   const auto made = PseudoTerminal::create(name_);
   ASSERT_TRUE(made.has_value()) << made.error().message;
   PseudoTerminal& terminal = **made;

@@ -116,7 +116,7 @@ TEST_F(ScenarioFile, EveryMistakeHasItsPlace) {
   EXPECT_EQ(error_of("[[fault]\n").substr(0, 9), "s.toml:2:");
 }
 
-TEST_F(ScenarioFile, AWorldThatCannotBeReadIsToldWithBothFiles) {
+TEST_F(ScenarioFile, AWorldThatCannotBeReadIsReportedWithBothFiles) {
   const auto missing = parse_scenario("seed = 1\nworld = \"none.toml\"\n", "s.toml", folder_);
   ASSERT_FALSE(missing.has_value());
   EXPECT_EQ(missing.error().message.substr(0, 19), "s.toml:2:9: world: ");

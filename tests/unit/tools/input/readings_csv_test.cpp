@@ -74,7 +74,7 @@ TEST(ReadingsCsv, RollAndPitchOfARowLevelItsReading) {
   EXPECT_EQ(got->at(1)[0].tilt_rad, expected.tilt_rad);
 }
 
-TEST(ReadingsCsv, SettingsLevelAFileThatTellsNoAttitude) {
+TEST(ReadingsCsv, SettingsLevelAFileThatHoldsNoAttitude) {
   firmware::LevellingConfig levelling;
   levelling.fixed = {5 * core::kDegree, 0.0};
   const std::string text = "pan_deg,tilt_deg,range_m\n90,0,5\n";

@@ -62,7 +62,7 @@ TEST(ScanNames, ReadsTheStampsThatRecordersWrite) {
       << "decimals without trailing zeros";
 }
 
-TEST(ScanNames, NanosecondsWithoutLeadingZerosAreToldFromDecimals) {
+TEST(ScanNames, NanosecondsWithoutLeadingZerosAreDistinguishedFromDecimals) {
   const Paths files{"1600000001.5000000.pcd", "1600000001.120000000.pcd", "1600000001.999999990.pcd"};
   EXPECT_THAT(times_ns(files),
               ElementsAre(1'600'000'001'005'000'000, 1'600'000'001'120'000'000, 1'600'000'001'999'999'990));

@@ -39,7 +39,7 @@ std::vector<std::int64_t> numbers_of(const std::vector<path>& inputs, const firm
   return numbers;
 }
 
-TEST(CsvKind, IsToldFromTheHeader) {
+TEST(CsvKind, IsFoundFromTheHeader) {
   EXPECT_EQ(csv_kind("# c\r\n\r\n pan_deg,tilt_deg,range_m\r\n"), CsvKind::Readings);
   EXPECT_EQ(csv_kind("range_m,pan_deg\n"), CsvKind::Readings) << "the reader then says what is missing";
   EXPECT_EQ(csv_kind("\xEF\xBB\xBFscan,x_m,y_m"), CsvKind::Landmarks);

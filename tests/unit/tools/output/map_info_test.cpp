@@ -6,7 +6,7 @@
 namespace slamsensor::tools {
 namespace {
 
-TEST(MapInfo, TellsWhatAMapHolds) {
+TEST(MapInfo, ReportsWhatAMapHolds) {
   EXPECT_EQ(
       map_info_text(tests::sample_map(), 564),
       "map        orchard-7\n"

@@ -68,7 +68,7 @@ class LeaningReplay : public testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(LeaningReplay, LevelsByWhatTheInclinometerTold) {
+TEST_F(LeaningReplay, LevelsByWhatTheInclinometerReported) {
   firmware::LevellingConfig told;
   told.source = firmware::InclinationSource::Can;
   told.offset = {0.02, 0.01};

@@ -131,7 +131,7 @@ TEST_F(RecordReplay, ABusIsRecordedToo) {
   EXPECT_EQ(replayed.rows.size(), 2U);
 }
 
-TEST_F(RecordReplay, OtherSettingsOfADriverAreADivergenceThatIsTold) {
+TEST_F(RecordReplay, OtherSettingsOfADriverAreADivergenceThatIsReported) {
   static_cast<void>(record(scenario_of("fast.toml"), 2));
   const auto recording = first_recording(folder_.path() / "drive.lcm");
   firmware::Config config = settings_of(*recording);

@@ -101,7 +101,7 @@ TEST(TapeReader, TimesOfStepsAreExactWhateverTheirRhythm) {
   EXPECT_EQ(read, times);
 }
 
-TEST(TapeReader, ACutChunkGivesItsWholeOperationsAndIsToldBroken) {
+TEST(TapeReader, ACutChunkGivesItsWholeOperationsAndIsReportedBroken) {
   tests::MadeTape tape(write_one_of_each);
   const auto whole = tape.chunks().at(0).bytes();
   std::size_t last = 0;

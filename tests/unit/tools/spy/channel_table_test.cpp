@@ -15,7 +15,7 @@ using std::chrono::seconds;
 using testing::Contains;
 using testing::StartsWith;
 
-TEST(ChannelTable, TellsRatesOverItsWindow) {
+TEST(ChannelTable, ReportsRatesOverItsWindow) {
   ChannelTable table;
   const std::vector<std::uint8_t> bytes(100);
   EXPECT_EQ(table.rate("A", seconds(1)).messages_hz, 0.0);
@@ -30,7 +30,7 @@ TEST(ChannelTable, TellsRatesOverItsWindow) {
   EXPECT_EQ(table.channels().at("A").bytes, 20'100U);
 }
 
-TEST(ChannelTable, TellsTheRateOfAYoungChannel) {
+TEST(ChannelTable, ReportsTheRateOfAYoungChannel) {
   ChannelTable table;
   const std::vector<std::uint8_t> bytes(10);
   for (int i = 0; i < 10; ++i) {

@@ -150,7 +150,7 @@ TEST(TopFrame, FitsEverySize) {
   }
 }
 
-TEST(TextLine, TellsTimesAndAmounts) {
+TEST(TextLine, ShowsTimesAndAmounts) {
   EXPECT_EQ(duration_text(std::chrono::microseconds(850)), "850 us");
   EXPECT_EQ(duration_text(std::chrono::microseconds(7200)), "7.2 ms");
   EXPECT_EQ(duration_text(seconds(185)), "3:05 min");

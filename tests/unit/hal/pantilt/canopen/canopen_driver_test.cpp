@@ -150,7 +150,7 @@ TEST(Canopen, HaltsBothAxes) {
   EXPECT_FALSE(bench.driver->axis(Axis::Pan).moving);
 }
 
-TEST(Canopen, HomesWhenToldTo) {
+TEST(Canopen, HomesWhenAsked) {
   hal::CanopenConfig config = CanopenBench::defaults();
   config.homing = hal::CanopenHoming::Always;
   config.pan.homing_method = config.tilt.homing_method = 37;

@@ -137,7 +137,7 @@ TEST(EmulatedDrive, LatchesPositionAtSync) {
   EXPECT_EQ(rig.times.at(0), sync + 50us);
 }
 
-TEST(EmulatedDrive, TellsAChangeOfStatusByEvent) {
+TEST(EmulatedDrive, ReportsAChangeOfStatusByEvent) {
   DriveRig rig(DriveRig::ready());
   rig.ask("601 2F 60 60 00 03 00 00 00");
   EXPECT_EQ(rig.ask("000 01 01"), "181 50 02 | 281 50 02 00 00 00 00 | 381 50 02 00 00 00 00");

@@ -119,7 +119,7 @@ TEST(EmulatedInclinometer, BeyondItsRangeTheDriverBelievesNothing) {
   EXPECT_TRUE(rig.measured()) << rig.driver->problem();
 }
 
-TEST(EmulatedInclinometer, OfAScenarioTellsHowTheMountLeans) {
+TEST(EmulatedInclinometer, OfAScenarioReportsHowTheMountLeans) {
   const auto world = tests::source_tree() / "config/worlds/park.toml";
   const auto scenario = parse_scenario("world = \"" + world.string() +
                                            "\"\nhead = \"fast\"\n[mount]\nroll_deg = 3.0\npitch_deg = -4.0\n"

@@ -77,7 +77,7 @@ TEST_F(PtuFaults, ALimitReportStandsInTheMiddleOfAReply) {
   EXPECT_EQ(bench.ask("PP "), "* 0\r\n");
 }
 
-TEST_F(PtuFaults, AResetThatFailsTellsTooFewLimitsAndLeavesTheAxisElsewhere) {
+TEST_F(PtuFaults, AResetThatFailsReportsTooFewLimitsAndLeavesTheAxisElsewhere) {
   bench.fault(FaultKind::ResetError);
   bench.run_for(3s);
   EXPECT_THAT(bench.heard(),

@@ -91,7 +91,7 @@ TEST(PtuLife, ANetworkedUnitHearsOnlyItsNumberAndCanBeFreed) {
   EXPECT_EQ(bench.ask("U "), "* 0\r\n");
 }
 
-TEST(PtuLife, TellsInTheWordsOfItsSeries) {
+TEST(PtuLife, ReportsInTheWordsOfItsSeries) {
   PtuBench old;
   old.ask("ED ");
   EXPECT_EQ(old.ask("XYZ PNU "), "! Illegal command\r\n! Illegal argument\r\n");

@@ -48,7 +48,7 @@ TEST(PtuMotion, ATiltStepOfTenPositionsTakes10Milliseconds) {
   EXPECT_NEAR(bench.tilt_steps(begin + 10ms), -340.0, 1e-9);
 }
 
-TEST(PtuMotion, TellsWholePositionsAtTheMomentOfTheQuery) {
+TEST(PtuMotion, ReportsWholePositionsAtTheMomentOfTheQuery) {
   PtuSettings settings = exact_settings();
   settings.reply_latency = {3ms, 1ms};
   PtuBench bench(settings);

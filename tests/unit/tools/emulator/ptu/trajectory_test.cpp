@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Trajectory, RestsUntilToldAndEndsExactly) {
+TEST(Trajectory, RestsUntilCommandedAndEndsExactly) {
   Trajectory motion(7.0);
   EXPECT_EQ(motion.position(-5s), 7.0);
   EXPECT_EQ(motion.leaves(0s, -10.0, 10.0), hal::kNever);

@@ -116,7 +116,7 @@ TEST_F(LwnxFault, NoReturnsGiveTheCode) {
   EXPECT_EQ(first_words(bench.run(5ms)), (std::vector<int>{-1, -1, 1234, 1234, 1234}));
 }
 
-TEST_F(LwnxFault, WeakSignalTellsLittleStrength) {
+TEST_F(LwnxFault, WeakSignalReportsLittleStrength) {
   EXPECT_TRUE(bench.inject(FaultKind::WeakSignal, 1s));
   const auto packet = payloads(bench.run(2ms)).at(1);
   EXPECT_EQ(word(packet, 1), 1234);
@@ -126,7 +126,7 @@ TEST_F(LwnxFault, WeakSignalTellsLittleStrength) {
   EXPECT_EQ(first_words(bench.run(1ms)), std::vector<int>{-1});
 }
 
-TEST_F(LwnxFault, SaturationTellsTooMuchStrength) {
+TEST_F(LwnxFault, SaturationReportsTooMuchStrength) {
   EXPECT_TRUE(bench.inject(FaultKind::Saturation, 1s));
   EXPECT_EQ(word(payloads(bench.run(2ms)).at(1), 3), 120);
 }

@@ -108,7 +108,7 @@ TEST(Lds70a, EscapeOrCommandStopsIt) {
   }
 }
 
-TEST(Lds70a, BinaryTellsErrorsAsZero) {
+TEST(Lds70a, BinaryReportsErrorsAsZero) {
   PointSettings settings = ready(lds70a_settings());
   settings.format.coding = PointCoding::SevenBit;
   PointBench bench(settings);
@@ -152,7 +152,7 @@ TEST(Lds70a, FaultsDoWhatTheySay) {
   EXPECT_FALSE(bench.inject(FaultKind::BadChecksum));
 }
 
-TEST(Lds70a, WeakAndBlindedAreToldByQuality) {
+TEST(Lds70a, WeakAndBlindedAreReportedByQuality) {
   PointSettings settings = ready(lds70a_settings());
   settings.format.extras = PointExtras::Quality;
   settings.rate_hz = 500.0;

@@ -76,7 +76,7 @@ TEST(Tf03, EveryRateIsKeptOnALineThatCarriesIt) {
   }
 }
 
-TEST(Tf03, StrengthIsNotToldAboveOneKilohertz) {
+TEST(Tf03, StrengthIsNotReportedAboveOneKilohertz) {
   Tf03Settings settings = ready();
   settings.saved.rate_hz = 2000;
   settings.saved.baud = 1'000'000;
@@ -84,7 +84,7 @@ TEST(Tf03, StrengthIsNotToldAboveOneKilohertz) {
   EXPECT_EQ(hex(bench.run(600us)), "59 59 D2 04 00 00 00 00 88");
 }
 
-TEST(Tf03, StrengthDecidesWhatIsTold) {
+TEST(Tf03, StrengthDecidesWhatIsReported) {
   Tf03Bench bench(ready());
   bench.scene.target.reflectance = reflectance_for(40);
   EXPECT_EQ(hex(bench.run(10ms)).substr(6, 11), "D2 04 28 00");
@@ -185,7 +185,7 @@ INSTANTIATE_TEST_SUITE_P(
                     RelativeCase{BenewakeModel::TfMiniS, "D2 04 C8 08", "FF FF", "FE FF"},
                     RelativeCase{BenewakeModel::Tf02, "D2 04 08 06", "98 08", "98 08"}));
 
-TEST(Tf03, TfMiniSTellsTooMuchSun) {
+TEST(Tf03, TfMiniSReportsTooMuchSun) {
   Tf03Bench bench(ready(BenewakeModel::TfMiniS));
   EXPECT_TRUE(bench.inject(FaultKind::DeviceError, 15ms));
   EXPECT_EQ(hex(bench.run(10ms)).substr(6, 5), "FC FF");
