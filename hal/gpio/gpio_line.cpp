@@ -7,6 +7,8 @@
 #include <gpiod.h>
 #include <utility>
 
+// The only file that sees libgpiod, whose versions 1 and 2 have nothing but the name in common.
+
 namespace slamsensor::hal {
 namespace {
 
@@ -53,11 +55,6 @@ InitError gpio_busy(const GpioAddress& address, const char* owner) {
   return gpio_error(address, "in use by " + who + "; free it or configure another line");
 }
 
-}  // namespace slamsensor::hal
-
-// The only file that sees libgpiod, whose versions 1 and 2 have nothing but the name in common.
-
-namespace slamsensor::hal {
 namespace {
 
 constexpr const char* kConsumer = "slamsensor";

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+struct screen;  // of curses
+
 namespace slamsensor::tools {
 
 /// How a cell of a text screen looks.
@@ -72,12 +74,6 @@ int put_lines(Canvas& canvas, const CanvasBox& box, const TextLines& lines);
 
 /// A number with its unit multiple: "999", "1.2 k", "34.0 M".
 [[nodiscard]] std::string amount_text(double value);
-
-}  // namespace slamsensor::tools
-
-struct screen;
-
-namespace slamsensor::tools {
 
 /// What a person pressed.
 enum class TopKey : std::uint8_t { None, Quit, Sensor, Counters, Channels, NextPage, Up, Down, Redraw };
