@@ -22,7 +22,6 @@ constexpr std::string_view kPanTilts[] = {"ptu", "canopen"};
 constexpr std::string_view kRangefinders[] = {"lwnx", "benewake_serial", "benewake_can", "point_laser"};
 constexpr std::string_view kParities[] = {"none", "even", "odd"};
 constexpr std::string_view kLevels[] = {"low", "high"};
-constexpr std::string_view kEchoes[] = {"off", "on"};
 constexpr auto kHead = &Config::head;
 constexpr auto kPanPort = &HeadConfig::pan_tilt_port;
 constexpr auto kRangePort = &HeadConfig::rangefinder_port;
@@ -84,8 +83,6 @@ constexpr Setting kSettings[] = {
      integer<kHead, kPanPort, kRs485, &Rs485Config::delay_before_send_ms>(0, 1000)},
     {"pan_tilt_rs485.delay_after_send_ms", "ms", "From the last byte to RTS.",
      integer<kHead, kPanPort, kRs485, &Rs485Config::delay_after_send_ms>(0, 1000)},
-    {"pan_tilt_rs485.receive_own", "", "Whether what is sent is also received.",
-     choice<kHead, kPanPort, kRs485, &Rs485Config::receive_own>(kEchoes)},
 
     {"rangefinder_port.path", "", "Terminal device; a stable name.",
      free_text<kHead, kRangePort, &SerialConfig::path>(kDevicePath)},
@@ -106,8 +103,6 @@ constexpr Setting kSettings[] = {
      integer<kHead, kRangePort, kRs485, &Rs485Config::delay_before_send_ms>(0, 1000)},
     {"rangefinder_rs485.delay_after_send_ms", "ms", "From the last byte to RTS.",
      integer<kHead, kRangePort, kRs485, &Rs485Config::delay_after_send_ms>(0, 1000)},
-    {"rangefinder_rs485.receive_own", "", "Whether what is sent is also received.",
-     choice<kHead, kRangePort, kRs485, &Rs485Config::receive_own>(kEchoes)},
 
     {"ptu.rates_baud", "baud", "Line rates at which the unit is looked for, in this order.",
      integers<kHead, kPtu, &PtuConfig::rates_baud>(300, 921'600, {1, 8})},

@@ -77,8 +77,6 @@ constexpr Setting kSettings[] = {
      real<kScanHead, &SensorHeadConfig::scan, &ScanConfig::late_data_s>(0.0, 10.0)},
     {"scan.retry_s", "s", "Rest between an aborted scan and the next.",
      real<kScanHead, &SensorHeadConfig::scan, &ScanConfig::retry_s>(0.0, 600.0)},
-    {"scan.lines_rejected_max_share", "", "A scan with a larger share of rejected lines is aborted.",
-     real<kScanHead, &SensorHeadConfig::scan, &ScanConfig::lines_rejected_max_share>(0.0, 1.0)},
     {"scan.readings_per_line_max", "", "Room for the readings of a line; 56 bytes each.",
      integer<kScanHead, &SensorHeadConfig::scan, &ScanConfig::readings_per_line_max>(100, 2'000'000)},
 
@@ -92,10 +90,6 @@ constexpr Setting kSettings[] = {
 
     {"motion.enabled", "", "Whether a scan during which the carrier moved is recognised and rejected.",
      boolean<kScanHead, &SensorHeadConfig::motion, &MotionConfig::enabled>()},
-    {"motion.distance_min_m", "m", "A shorter move ...",
-     real<kScanHead, &SensorHeadConfig::motion, &MotionConfig::distance_min_m>(0.01, 10.0)},
-    {"motion.angle_min_deg", "deg", "... and a lesser turn are let pass.",
-     degrees<kScanHead, &SensorHeadConfig::motion, &MotionConfig::angle_min_rad>(0.06, 57.0)},
     {"motion.range_max_m", "m", "What is farther is not looked at.",
      real<kScanHead, &SensorHeadConfig::motion, &MotionConfig::range_max_m>(5.0, 1000.0)},
 

@@ -34,7 +34,6 @@ constexpr auto kCan = &HeadConfig::benewake_can;
 constexpr auto kClock = &RangeConfig::clock;
 
 constexpr std::string_view kPresets[] = {"astech_lds70a", "mdl_laserace_im_hr", "custom"};
-constexpr std::string_view kLayouts[] = {"from_manual", "unverified"};
 constexpr std::string_view kSearches[] = {"this_baud", "usual_bauds"};
 constexpr std::string_view kRecords[] = {"ascii_decimal", "ascii_hex", "packed7", "pair"};
 constexpr std::string_view kPrefixes[] = {"required", "optional"};
@@ -125,8 +124,6 @@ constexpr Setting kSettings[] = {
      choice<kHead, &HeadConfig::point_laser_preset>(kPresets)},
     {"point_laser.product", "", "Name in messages and in the status.",
      free_text<kHead, kLaser, &PointLaserConfig::product>(kProductName)},
-    {"point_laser.layout", "", "unverified: the status says that the layout below was not found in a manual.",
-     choice<kHead, kLaser, &PointLaserConfig::layout>(kLayouts)},
     {"point_laser.rate_hz", "Hz", "Readings per second that the device sends.",
      real<kHead, kLaser, &PointLaserConfig::rate_hz>(0.1, 50'000.0)},
     {"point_laser.baud", "baud", "Line rate.",

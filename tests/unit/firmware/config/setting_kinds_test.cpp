@@ -86,16 +86,15 @@ TEST(Rs485, IsWholeOrAbsent) {
   EXPECT_FALSE(loaded("").config.head.pan_tilt_port.rs485);
   const LoadedConfig config = loaded(
       "[pan_tilt_rs485]\nrts_while_sending = \"low\"\nrts_after_sending = \"high\"\n"
-      "delay_before_send_ms = 3\ndelay_after_send_ms = 4\nreceive_own = \"on\"\n");
+      "delay_before_send_ms = 3\ndelay_after_send_ms = 4\n");
   const auto& rs485 = config.config.head.pan_tilt_port.rs485;
   ASSERT_TRUE(rs485);
   EXPECT_EQ(rs485->rts_while_sending, hal::Rs485Level::Low);
   EXPECT_EQ(rs485->rts_after_sending, hal::Rs485Level::High);
   EXPECT_EQ(rs485->delay_before_send_ms, 3U);
-  EXPECT_EQ(rs485->receive_own, hal::Rs485Echo::On);
-  const auto refused = load_config_text("[pan_tilt_rs485]\nreceive_own = \"on\"\n", "f.toml");
+  const auto refused = load_config_text("[pan_tilt_rs485]\ndelay_after_send_ms = 4\n", "f.toml");
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().size(), 4U);
+  EXPECT_EQ(refused.error().size(), 3U);
 }
 
 TEST(Preset, StandsBelowTheKeysOfItsSectionInWhateverOrder) {

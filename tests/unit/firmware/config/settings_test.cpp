@@ -91,8 +91,8 @@ const Counted kCounted[] = {
      member_count<hal::SerialConfig>() - 3 + member_count<hal::SerialFormat>() +
          member_count<hal::ReopenConfig>(),
      2},
-    {"pan_tilt_rs485", member_count<hal::Rs485Config>()},
-    {"rangefinder_rs485", member_count<hal::Rs485Config>()},
+    {"pan_tilt_rs485", member_count<hal::Rs485Config>(), 1},
+    {"rangefinder_rs485", member_count<hal::Rs485Config>(), 1},
     {"ptu", member_count<hal::PtuConfig>(), 9},
     {"canopen", member_count<hal::CanopenConfig>() - 2, 12},
     {"canopen_pan", member_count<hal::CanopenAxisConfig>()},
@@ -111,15 +111,15 @@ const Counted kCounted[] = {
     {"point_laser",
      member_count<hal::PointLaserConfig>() - 1 + 1 + member_count<hal::RangeConfig>() - 1 +
          member_count<hal::SampleClockConfig>(),
-     3},
+     4},
     // The place where names of accelerometers are looked for is none.
     {"inclination",
      member_count<LevellingConfig>() + 2 + member_count<hal::Cia410Config>() +
          member_count<hal::IioConfig>() - 1,
      4},
-    {"scan", member_count<ScanConfig>(), 4},
+    {"scan", member_count<ScanConfig>(), 5},
     {"latency", member_count<LatencyConfig>(), 8},
-    {"motion", member_count<MotionConfig>(), 4},
+    {"motion", member_count<MotionConfig>(), 6},
 };
 
 TEST(Settings, EveryMemberOfEveryConfigStructHasARow) {
