@@ -17,17 +17,17 @@ constexpr double kRivalShare =
 constexpr double kRivalMargin = 1.0;  // ... and how much more has to contradict it
 constexpr double kSigmas = 3.3;       // of a pose, which stay within what is called right
 constexpr double kLocalSigmas = 1.0;
-constexpr double kLocalRisk = 1e-4;     // of a scan in a local map, or that shows again what was just seen
-constexpr double kTieRiskShare = 1e-3;  // of the risk of a fix: a tie binds many scans
+constexpr double kLocalRisk = 1e-4;          // of a scan in a local map
+constexpr double kTieRiskShare = 1e-3;       // of the risk of a fix: a tie binds many scans
 constexpr double kLocalContradiction = 4.0;  // decades against a scan in a local map
-constexpr double kAgainDecades = 1.0;        // two groups: a single one may be a copy
-constexpr double kUnlikeDecades = 2.0;       // three groups
+constexpr double kAgainDecades =
+    0.5;  // two groups, which a single copy would not make, and hardly anything against them
+constexpr double kUnlikeDecades = 2.0;  // three groups
 constexpr double kUnlikeContradiction = 5.0;
 constexpr double kUnlikeStructure = 7.0;  // of a world that hardly repeats itself
 constexpr double kUnlikeMargin = 6.0;     // decades above what wrong places of this world reach
 constexpr double kUnlikeTieMargin = 9.0;
-constexpr double kTieContradiction = 2.0;    // and against a tie
-constexpr double kAgainContradiction = 5.0;  // and against one that shows again what was just seen
+constexpr double kTieContradiction = 2.0;  // and against a tie
 
 double decades_of(double nats) noexcept {
   return nats / std::numbers::ln10;
@@ -42,11 +42,11 @@ bool is_precise(const Evidence& evidence, Stake stake, const AcceptanceConfig& c
 double risk_of(Stake stake, const AcceptanceConfig& config) noexcept {
   switch (stake) {
     case Stake::Local:
-    case Stake::Again:
       return std::max(kLocalRisk, config.risk);
     case Stake::Tie:
       return kTieRiskShare * config.risk;
     case Stake::Fix:
+    case Stake::Again:
     case Stake::Survey:
       break;
   }
@@ -58,8 +58,9 @@ bool rivals(const Weighed& other, const Weighed& answer, Stake stake, double str
             const AcceptanceConfig& config) noexcept {
   if (other.candidate.map != answer.candidate.map) {
     // Another map may hold the same place. Where the world repeats itself that has to be shown first.
-    return stake == Stake::Fix && structure_decades >= kUnlikeStructure &&
-           other.candidate.matches.size() >= 3;
+    const bool counts =
+        stake == Stake::Fix || (stake == Stake::Again && other.evidence.ln_bayes > answer.evidence.ln_bayes);
+    return counts && structure_decades >= kUnlikeStructure && other.candidate.matches.size() >= 3;
   }
   return elsewhere(other.candidate.pose_W, answer.candidate.pose_W, config);
 }
@@ -136,8 +137,9 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   const double odds = chance + std::log10(others);
   const double contradictions = best.evidence.contradiction_decades();
   const double copies = best.evidence.group_decades - std::max(0.0, contradictions - kUsualContradiction);
-  const bool is_seen_again = stake == Stake::Again && contradictions <= kAgainContradiction &&
-                             best.evidence.group_decades >= kAgainDecades;
+  const double copies_wanted = stake == Stake::Tie     ? kTieDecades
+                               : stake == Stake::Again ? kAgainDecades
+                                                       : kCopyDecades;
   verdict.log10_expected_wrong = std::min(0.0, odds);
   if (chance > risk) {
     return refuse(verdict, FixStatus::NoFix, silence);
@@ -161,14 +163,12 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   }
   const double rival_decades = std::max(kRivalDecades, kRivalShare * -chance);
   for (const Weighed& other : weighed) {
-    if (asks_for_rivals && !is_seen_again && is_rival(other) &&
-        decades_of(other.evidence.ln_bayes) >= rival_decades &&
+    if (asks_for_rivals && is_rival(other) && decades_of(other.evidence.ln_bayes) >= rival_decades &&
         other.evidence.contradiction_decades() < contradictions + kRivalMargin) {
       return refuse(verdict, FixStatus::Ambiguous, FixReason::Symmetric);
     }
   }
-  if (asks_for_copies && !is_seen_again && !is_unlike_others &&
-      copies < (stake == Stake::Tie ? kTieDecades : kCopyDecades)) {
+  if (asks_for_copies && !is_unlike_others && copies < copies_wanted) {
     return refuse(verdict, FixStatus::Ambiguous, FixReason::Copy);
   }
   verdict.status = FixStatus::Fix;

@@ -45,12 +45,15 @@ struct Rates {
   /// map explains a scan. Wrong places that were mapped are a sample of wrong places that were not.
   double structure_decades = 8.0;
 
-  /// A scan whose second best place elsewhere explained it by `decades`.
-  void see_runner_up(double decades) noexcept {
+  /// A scan whose second best place elsewhere explained it by `decades`, and `news` of whose landmarks, as a
+  /// share, stand on ground that taught nothing before: a hundred scans of one copse say no more of the world
+  /// than one.
+  void see_runner_up(double decades, double news) noexcept {
     constexpr double kQuantile = 0.98;
     constexpr double kStep = 3.0;  // decades
     structure_decades = std::clamp(
-        structure_decades + kStep * (decades > structure_decades ? kQuantile : kQuantile - 1.0), 2.0, 60.0);
+        structure_decades + kStep * (decades > structure_decades ? kQuantile : news * (kQuantile - 1.0)), 2.0,
+        60.0);
   }
 
   /// 1 sigma of a matched landmark per axis, of the scan's measurement alone. `start_m` counts as kPrior

@@ -81,6 +81,7 @@ Fix Atlas::process(std::span<const ScanLandmark> landmarks, const ScanView& view
                    const Deadline& deadline) noexcept {
   Fix fix;
   fix.scan = scan_.number = scans_++;
+  graph_.set_home(home_);
   scan_.view = &view;
   take_landmarks(landmarks);
   weighed_.clear();
@@ -194,19 +195,21 @@ void Atlas::add_common_errors(MapSlot map, const MatchList& matches, Fix& fix) c
   fix.covariance_near(1, 1) += bias_m * bias_m;
   fix.covariance_near(2, 2) += bias_rad * bias_rad;
   fix.covariance = fix.covariance_near;
-  // The map about the scan is as good as the best known of its landmarks.
-  std::optional<Eigen::Matrix3d> least;
+  // The map about the scan is as good as most of its landmarks: what was known long ago and lies there by
+  // chance, or by the first scan that comes back, does not make the pose better.
+  FixedVector<Eigen::Matrix3d, kScanLandmarksMax> drifts;
   for (const Match& match : matches) {
     const std::uint32_t pose = graph_.landmark(match.map).brought_by;
-    const Eigen::Matrix3d drift =
-        pose == SightingGraph::kNone ? Eigen::Matrix3d(Eigen::Matrix3d::Zero()) : graph_.drift_of(pose);
-    if (!least || drift.trace() < least->trace()) {
-      least = drift;
-    }
+    SLAMSENSOR_ASSERT(drifts.try_push_back(
+        pose == SightingGraph::kNone ? Eigen::Matrix3d(Eigen::Matrix3d::Zero()) : graph_.drift_of(pose)));
   }
-  if (least) {
+  if (!drifts.empty()) {
+    auto* const middle = drifts.begin() + drifts.size() / 2;
+    std::nth_element(
+        drifts.begin(), middle, drifts.end(),
+        [](const Eigen::Matrix3d& one, const Eigen::Matrix3d& other) { return one.trace() < other.trace(); });
     const double sigma_m = rates_.sigma_m(scale_.start_sigma_m());
-    fix.covariance += sigma_m * sigma_m * kDriftInflation * *least;
+    fix.covariance += sigma_m * sigma_m * kDriftInflation * *middle;
   }
   const double turn2 = entry.frame_turn2 + kFrameBias_rad * kFrameBias_rad;
   const Point2 arm = fix.pose_W.translation();
@@ -226,6 +229,7 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
   if (frozen_ == Frozen::No && !is_surveyed_ && !weighed_.empty() && close_loop(weighed_[0].candidate.map)) {
     search(deadline, fix);
   }
+  found_home();
   if (home_ != kNoMap) {
     verdict = decide(weighed_.span(), home_, stake_of(home_), fix.search_end, rates_.structure_decades,
                      config_.acceptance);
@@ -263,9 +267,18 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
       fix.reason = FixReason::LocalMap;
     }
     note_places(chosen);
-    extend(chosen);
-    tie_of = chosen.candidate.map;
+    const bool is_sure = is_sure_in(chosen.candidate.map, fix.search_end);
+    if (is_sure || stake_of(chosen.candidate.map) == Stake::Again) {
+      MapEntry& map = maps_[chosen.candidate.map];
+      map.is_doubtful = map.is_doubtful || !is_sure;
+      extend(chosen);
+      tie_of = chosen.candidate.map;
+    } else {
+      learn_structure(*local, 0.0);
+      start_map(fix);
+    }
   } else if (fix.search_end != SearchEnd::Deadline || graph_.index().size() == 0) {
+    learn_structure(best_in(weighed_.span(), weighed_.empty() ? kNoMap : weighed_[0].candidate.map), 0.0);
     start_map(fix);  // a search that was cut does not say that the place is unknown
   }
   if (is_held_back && fix.status == FixStatus::Fix) {
@@ -278,6 +291,32 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
     try_tie(tie_of, deadline);
   }
   choose_home();
+}
+
+/// Whether the scan would be a fix if `map` were the home map.
+bool Atlas::is_sure_in(MapSlot map, SearchEnd end) const noexcept {
+  return decide(weighed_.span(), map, stake_of(map), end, rates_.structure_decades, config_.acceptance)
+             .status == FixStatus::Fix;
+}
+
+/// The first scan that would be a fix in the local map that it is found in makes that map the home map.
+void Atlas::found_home() noexcept {
+  const std::optional<std::size_t> best = home_ == kNoMap ? best_local() : std::nullopt;
+  if (best && weighed_[*best].candidate.matches.size() >= kHomeConfirmed &&
+      weighed_[*best].evidence.ln_bayes > std::log(kFoundingOdds / config_.acceptance.risk) &&
+      !maps_[weighed_[*best].candidate.map].is_doubtful &&
+      is_sure_in(weighed_[*best].candidate.map, found_[0].end)) {
+    home_ = weighed_[*best].candidate.map;
+    has_fixed_ = false;
+  }
+}
+
+/// Whether or not the scan is believed in `chosen`: how well the second best place explains it says how far
+/// the world repeats itself.
+void Atlas::learn_structure(std::size_t chosen, double news) noexcept {
+  if (chosen != SIZE_MAX) {
+    rates_.see_runner_up(runner_up_decades(weighed_.span(), chosen, config_.acceptance), news);
+  }
 }
 
 /// What a fix in `map` stakes: less when this scan shows again much of what the scans before showed there. A
@@ -376,6 +415,8 @@ void Atlas::start_map(Fix& fix) noexcept {
   entry.frame_turn2 = scale_.start_sigma_m() * scale_.start_sigma_m() / std::max(1.0, square_m2);
   if (home_ == kNoMap && points_B_.size() >= kHomeAtOnce) {
     home_ = map;
+    fix.pose_W = Pose2{};
+    fix.matches = fix.error_xi = 0;
     fix.status = FixStatus::Fix;
     fix.reason = FixReason::None;
     fix.search_end = SearchEnd::Complete;
@@ -458,7 +499,7 @@ void Atlas::choose_home() noexcept {
   for (MapSlot i = 0; i < kMapsMax; ++i) {
     const std::uint32_t wanted =
         home_ == kNoMap ? kHomeConfirmed : std::max(kHomeConfirmed, 3 * maps_[home_].confirmed);
-    if (i != home_ && maps_[i].number != 0 && maps_[i].confirmed >= wanted &&
+    if (i != home_ && maps_[i].number != 0 && !maps_[i].is_doubtful && maps_[i].confirmed >= wanted &&
         maps_[i].scans >= (home_ == kNoMap ? 2U : 4U) &&
         (best == kNoMap || maps_[i].confirmed > maps_[best].confirmed)) {
       best = i;

@@ -48,6 +48,8 @@ struct MapEntry {
   std::uint32_t last_place = SightingGraph::kNone;  ///< of last_pose in the graph
   PlaceHypothesis tie;  ///< where its confirmed landmarks as a whole were believed last, W times in a row
   FixedVector<PlaceHypothesis, kPlacesMax> places;  ///< the best W first
+  bool is_doubtful = false;  ///< it may be two places in one: a scan was found in it that did not follow
+                             ///< another in it, and would have been no fix
 };
 
 /// All that the sensor remembers, and how a scan changes it (DESIGN 2.5): the home map, local maps that are
@@ -117,6 +119,9 @@ class Atlas {
   void step_groups(const Weighed& weighed, MapSlot map) noexcept;
   void note_places(const Weighed& local) noexcept;
   void learn_from(const Weighed& weighed) noexcept;
+  [[nodiscard]] bool is_sure_in(MapSlot map, SearchEnd end) const noexcept;
+  void found_home() noexcept;
+  void learn_structure(std::size_t chosen, double news) noexcept;
   [[nodiscard]] bool is_contradicted(const GraphLandmark& landmark, const Standing& standing,
                                      double range_m) const noexcept;
   void look_for_missing(const Weighed& weighed) noexcept;

@@ -37,13 +37,12 @@ void Atlas::extend(const Weighed& w) noexcept {
   MapEntry& entry = maps_[map];
   entry.last_scan = scan_.number;  // from here on it is no map that could make room for others
   learn_from(w);
-  rates_.see_runner_up(runner_up_decades(weighed_.span(), static_cast<std::size_t>(&w - weighed_.begin()),
-                                         config_.acceptance));
   std::array<std::uint32_t, 3> parents;
   const std::uint32_t xi = update_matched(w, parents);
   look_for_missing(w);
   const double twin_m = kTwinSigmas * std::max(w.evidence.sigma_m, scale_.start_sigma_m() * 0.5);
   bool is_saturated = true;
+  std::uint32_t news = 0;
   seen_.clear();
   std::size_t m = 0;
   for (std::uint32_t i = 0; i < points_B_.size(); ++i) {
@@ -69,8 +68,11 @@ void Atlas::extend(const Weighed& w) noexcept {
     graph_.landmark(slot).parents = parents;
     ++entry.landmarks;
     is_saturated = false;
+    ++news;
     SLAMSENSOR_ASSERT(seen_.try_push_back({slot, points_L_[i]}));
   }
+  learn_structure(static_cast<std::size_t>(&w - weighed_.begin()),
+                  static_cast<double>(news) / static_cast<double>(points_B_.size()));
   look_around(map, w.candidate.pose_W);
   entry.W += w.candidate.matches.size();
   ++entry.scans;

@@ -61,7 +61,7 @@ void Atlas::probe_structure() noexcept {
     weigh(scan_witnesses(), found_[0], weighed_);
     const std::size_t best = best_in(weighed_.span(), home_);
     if (best != SIZE_MAX) {
-      rates_.see_runner_up(runner_up_decades(weighed_.span(), best, config_.acceptance));
+      learn_structure(best, std::min(1.0, static_cast<double>(step) / static_cast<double>(points_B_.size())));
     }
   }
   scan_.view = nullptr;

@@ -13,6 +13,7 @@ namespace slamsensor::core {
 inline constexpr std::uint32_t kHomeAtOnce =
     10;  // landmarks of a first scan that may found the home map by itself
 inline constexpr std::uint32_t kHomeConfirmed = 5;  // landmarks seen twice that make a local map the home map
+inline constexpr double kFoundingOdds = 1e3;        // beyond those of a fix: all that follows builds on it
 inline constexpr std::uint32_t kHomeIdleScans = 30;  // without a fix, after which a home map ...
 inline constexpr std::uint32_t kHomeSure =
     30;  // ... of fewer confirmed landmarks than this gives way to a larger map

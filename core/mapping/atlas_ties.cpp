@@ -44,7 +44,7 @@ void Atlas::note_places(const Weighed& local) noexcept {
 /// Holds the confirmed landmarks of a local map, as a whole, against all other maps.
 void Atlas::try_tie(MapSlot map, const Deadline& deadline) noexcept {
   const MapEntry& entry = maps_[map];
-  if (map == home_ || tie_by_scans(map) || entry.confirmed < kTieLandmarksMin) {
+  if (map == home_ || entry.is_doubtful || tie_by_scans(map) || entry.confirmed < kTieLandmarksMin) {
     return;
   }
   confirmed_.clear();

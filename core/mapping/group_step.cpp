@@ -266,7 +266,8 @@ void SightingGraph::solve(std::span<double> x) const noexcept {
 /// The variance of a group is its block of the inverse. A group is no rigid body but a chain of poses, as
 /// many links longer as its path is longer than what a scan sees.
 void SightingGraph::find_drift(MapSlot map, std::uint32_t groups) noexcept {
-  drift_map_ = map;
+  MapDrift& drift = drifts_[map == drifts_[0].map ? 0 : 1];
+  drift.map = map;
   const double range_m = range_sum_m_ / std::max(1.0, range_count_);
   const double bend = 1.0 + path_m_ / groups / std::max(1.0, range_m);
   std::array<double, kUnknownsMax> column{};
@@ -278,7 +279,7 @@ void SightingGraph::find_drift(MapSlot map, std::uint32_t groups) noexcept {
     column[c] = 1.0;
     solve(std::span(column).first(unknowns));
     for (std::uint32_t i = 0; i < 3; ++i) {
-      drift_[c / 3](i, c % 3) = bend * column[c / 3 * 3 + i];
+      drift.groups[c / 3](i, c % 3) = bend * column[c / 3 * 3 + i];
     }
   }
 }

@@ -36,7 +36,9 @@ SightingGraph::SightingGraph(Arena& arena, const Config& config) noexcept
                  std::max(config.capacities.sightings, config.capacities.scan_landmarks)),
       marks_(arena, "maps: marks of poses", config.capacities.path_poses),
       system_(arena, "maps: group equations", std::size_t{kUnknownsMax} * kUnknownsMax) {
-  drift_.fill(Eigen::Matrix3d::Zero());
+  for (MapDrift& drift : drifts_) {
+    drift.groups.fill(Eigen::Matrix3d::Zero());
+  }
   SLAMSENSOR_ASSERT(system_.try_resize(system_.capacity()) && poses_.try_resize(poses_.capacity()) &&
                     marks_.try_resize(marks_.capacity()) && sightings_.try_resize(sightings_.capacity()));
 }
@@ -472,7 +474,18 @@ void SightingGraph::clear() noexcept {
   folded_ = 0;
   next_id_ = 0;
   offset_m_ = 0.0;
-  drift_map_ = UINT16_MAX;
+  drifts_[0].map = drifts_[1].map = UINT16_MAX;
+}
+
+void SightingGraph::set_home(MapSlot home) noexcept {
+  if (drifts_[0].map == home) {
+    return;
+  }
+  std::swap(drifts_[0], drifts_[1]);
+  if (drifts_[0].map != home) {
+    drifts_[0].map = home;
+    drifts_[0].groups.fill(Eigen::Matrix3d::Zero());
+  }
 }
 
 }  // namespace slamsensor::core

@@ -166,10 +166,15 @@ class SightingGraph {
   /// Variance of (x, y, heading) of a pose relative to the origin of its map, as the last group step of that
   /// map found it, for sightings of variance 1. Zero before the first.
   [[nodiscard]] Eigen::Matrix3d drift_of(std::uint32_t pose) const noexcept {
-    return poses_[pose].map == drift_map_
-               ? drift_[std::min<std::size_t>(poses_[pose].group, drift_.size() - 1)]
-               : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
+    for (const MapDrift& drift : drifts_) {
+      if (drift.map == poses_[pose].map) {
+        return drift.groups[std::min<std::size_t>(poses_[pose].group, kGroupsMax - 1)];
+      }
+    }
+    return Eigen::Matrix3d::Zero();
   }
+  /// Drift is kept of `home` and of one more map: that of the last group step in another.
+  void set_home(MapSlot home) noexcept;
   [[nodiscard]] double offset_m() const noexcept { return offset_m_; }
 
  private:
@@ -182,6 +187,11 @@ class SightingGraph {
     Eigen::Matrix<double, 2, 3> sum_J = Eigen::Matrix<double, 2, 3>::Zero();  // of weight times derivative
   };
   using Shares = FixedVector<Share, kGroupsMax>;
+
+  struct MapDrift {
+    MapSlot map = UINT16_MAX;  // none
+    std::array<Eigen::Matrix3d, kGroupsMax> groups{};
+  };
 
   void chain(std::uint32_t sighting) noexcept;
   void unchain(std::uint32_t sighting) noexcept;
@@ -231,9 +241,8 @@ class SightingGraph {
   std::array<double, kUnknownsMax> step_{};
   std::array<Point2, kGroupsMax> middles_{};  // of the groups
   std::array<double, kGroupsMax> members_{};
-  std::array<Eigen::Matrix3d, kGroupsMax> drift_{};
-  MapSlot drift_map_ = UINT16_MAX;
-  double range_sum_m_ = 0.0;  // of the sightings of the last group step
+  std::array<MapDrift, 2> drifts_{};  // of the home map, of another
+  double range_sum_m_ = 0.0;          // of the sightings of the last group step
   double range_count_ = 0.0;
   double path_m_ = 0.0;  // within the groups of it
   std::uint32_t next_id_ = 0;
