@@ -44,6 +44,7 @@ double risk_of(Stake stake, const AcceptanceConfig& config) noexcept {
     case Stake::Local:
       return std::max(kLocalRisk, config.risk);
     case Stake::Tie:
+    case Stake::Follow:
       return kTieRiskShare * config.risk;
     case Stake::Fix:
     case Stake::Again:
@@ -68,7 +69,7 @@ bool rivals(const Weighed& other, const Weighed& answer, Stake stake, double str
 /// Whether nothing contradicts the answer in a world that hardly repeats itself, and it explains the
 /// witnesses far better than wrong places of this world ever did.
 bool stands_alone(const Evidence& evidence, Stake stake, double structure_decades) noexcept {
-  const bool is_tie = stake == Stake::Tie;
+  const bool is_tie = stake == Stake::Tie || stake == Stake::Follow;
   return evidence.group_decades >= (is_tie ? kTieDecades : kUnlikeDecades) &&
          evidence.contradiction_decades() <= kUnlikeContradiction && structure_decades <= kUnlikeStructure &&
          decades_of(evidence.ln_bayes) >= structure_decades + (is_tie ? kUnlikeTieMargin : kUnlikeMargin);
@@ -137,9 +138,10 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   const double odds = chance + std::log10(others);
   const double contradictions = best.evidence.contradiction_decades();
   const double copies = best.evidence.group_decades - std::max(0.0, contradictions - kUsualContradiction);
-  const double copies_wanted = stake == Stake::Tie     ? kTieDecades
-                               : stake == Stake::Again ? kAgainDecades
-                                                       : kCopyDecades;
+  const bool is_tie = stake == Stake::Tie || stake == Stake::Follow;
+  const double copies_wanted = stake == Stake::Tie                               ? kTieDecades
+                               : stake == Stake::Again || stake == Stake::Follow ? kAgainDecades
+                                                                                 : kCopyDecades;
   verdict.log10_expected_wrong = std::min(0.0, odds);
   if (chance > risk) {
     return refuse(verdict, FixStatus::NoFix, silence);
@@ -147,12 +149,12 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   if (!is_precise(best.evidence, stake, config)) {
     return refuse(verdict, FixStatus::NoFix, FixReason::TooFewLandmarks);
   }
-  const bool asks_for_copies = stake == Stake::Fix || stake == Stake::Again || stake == Stake::Tie;
+  const bool asks_for_copies = stake == Stake::Fix || stake == Stake::Again || is_tie;
   const bool asks_for_rivals =
       asks_for_copies || (stake == Stake::Local && structure_decades >= kUnlikeStructure);
   const bool is_unlike_others = stands_alone(best.evidence, stake, structure_decades);
   if ((!asks_for_copies && contradictions > kLocalContradiction) ||
-      (stake == Stake::Tie && !is_unlike_others && contradictions > kTieContradiction)) {
+      (is_tie && !is_unlike_others && contradictions > kTieContradiction)) {
     return refuse(verdict, FixStatus::NoFix, FixReason::NoOverlap);
   }
   if (odds > risk) {

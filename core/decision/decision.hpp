@@ -29,6 +29,8 @@ enum class Stake : std::uint8_t {
   Survey,  ///< a fix in a complete survey: copies are all known, and where nothing stands nothing is
   Local,   ///< one more scan of a local map: it binds nothing until the map is tied
   Tie,     ///< two maps become one: many scans are bound at once
+  Follow,  ///< a tie of a map that began with the scan after the last one in the other: that scan showed
+           ///< again what was just seen
 };
 
 /// The decision (DESIGN 2.4), in three stages, each of which must be passed by the leading candidate of

@@ -383,6 +383,9 @@ void Atlas::start_map(Fix& fix) noexcept {
   entry.number = ++maps_made_;
   entry.scans = 1;
   entry.last_scan = scan_.number;
+  if (home_ != kNoMap && maps_[home_].last_scan + blind_scans_ + kAgainScans >= scan_.number) {
+    entry.follows = maps_[home_].number;
+  }
   for (const Point2& p : points_L_) {
     rates_.bearings[Rates::bearing_bin(std::atan2(p.y(), p.x()))] += 1.0F;
   }

@@ -46,6 +46,8 @@ struct MapEntry {
   Pose2 last_pose;
   double frame_turn2 = 0.0;  ///< variance (rad^2) of the heading of the scan that it began with
   std::uint32_t last_place = SightingGraph::kNone;  ///< of last_pose in the graph
+  std::uint32_t follows =
+      0;                ///< number of the home map, when the scan before the first one of this was in it
   PlaceHypothesis tie;  ///< where its confirmed landmarks as a whole were believed last, W times in a row
   FixedVector<PlaceHypothesis, kPlacesMax> places;  ///< the best W first
   bool is_doubtful = false;  ///< it may be two places in one: a scan was found in it that did not follow

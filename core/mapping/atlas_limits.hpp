@@ -26,6 +26,7 @@ inline constexpr double kAgainShare =
     0.4;  // ... and this share of all, so that the second shows the first again
 inline constexpr std::uint64_t kTieScans =
     3;  // in a row that agree on where a local map lies before it is tied
+inline constexpr std::uint64_t kFollowScans = 2;  // the same where it began as the other was left
 inline constexpr double kHomeShare =
     0.5;  // of the decades of a local map, with which the home map is still believed
 inline constexpr double kScansTieDecades = 15.0;  // in all, of scans that agree on where their local map lies

@@ -80,7 +80,8 @@ void Atlas::try_tie(MapSlot map, const Deadline& deadline) noexcept {
   if (target == kNoMap) {
     return;
   }
-  Verdict verdict = decide(weighed_ties_.span(), target, Stake::Tie, found_[0].end, rates_.structure_decades,
+  const Stake stake = entry.follows == maps_[target].number ? Stake::Follow : Stake::Tie;
+  Verdict verdict = decide(weighed_ties_.span(), target, stake, found_[0].end, rates_.structure_decades,
                            config_.acceptance);
   if (verdict.status != FixStatus::Fix && !weighed_ties_.empty() &&
       weighed_ties_[0].candidate.map != target) {
@@ -142,7 +143,8 @@ void Atlas::confirm_tie(MapSlot map, const Weighed& w) noexcept {
                        !elsewhere(last.T_target_map * maps_[map].last_pose,
                                   w.candidate.pose_W * maps_[map].last_pose, config_.acceptance);
   last = {w.candidate.map, w.candidate.pose_W, is_same ? last.W + 1 : 1, 0, 0.0};
-  if (last.W >= kTieScans || rates_.structure_decades < kTieStructure) {
+  const std::uint64_t wanted = maps_[map].follows == maps_[w.candidate.map].number ? kFollowScans : kTieScans;
+  if (last.W >= wanted || rates_.structure_decades < kTieStructure) {
     tie(map, w);
   }
 }
