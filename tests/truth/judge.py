@@ -46,6 +46,7 @@ class Verdict:
     violations: int = 0  # position errors beyond the protection radius
     times_ms: list = dataclasses.field(default_factory=list)
     last_times_ms: list = dataclasses.field(default_factory=list)  # of the last tenth of each run
+    foreign_claims: list = dataclasses.field(default_factory=list)  # expected false alarms of scans without a true pose
 
     def add(self, other):
         for field in dataclasses.fields(self):
@@ -187,12 +188,14 @@ def judge_case(poses_csv, truth_csv):
     for row in read_rows(poses_csv):
         verdict.scans += 1
         verdict.count_time(row)
+        true_pose = truth.get(int(row["scan"]))
+        if true_pose is None:
+            verdict.foreign_claims.append(float(row.get("expected_false_alarms") or 1.0))
         if row["status"] != "fix":
             verdict.ambiguous += row["status"] == "ambiguous"
             verdict.no_fix += row["status"] == "no_fix"
             continue
         verdict.fixes += 1
-        true_pose = truth.get(int(row["scan"]))
         if true_pose is None:
             verdict.wrong += 1
             verdict.gross += 1
@@ -207,6 +210,10 @@ def quantile(values, share):
 
 def root_mean_square(values):
     return math.sqrt(sum(v * v for v in values) / len(values)) if values else None
+
+
+def share_within(values, limit):
+    return sum(v <= limit for v in values) / len(values) if values else None
 
 
 def share_beyond(values, limit):
