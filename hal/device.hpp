@@ -3,11 +3,15 @@
 #include "hal/counters.hpp"
 #include "hal/stamp.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
 
 namespace slamsensor::hal {
+
+/// Characters of a remark: an LCM status has room for 191, and more is said around it.
+inline constexpr std::size_t kRemarkMax = 160;
 
 /// How a device driver stands.
 enum class DeviceState : std::uint8_t {
@@ -41,6 +45,11 @@ class Device {
   /// Why the times of its samples cannot be relied on while it is Ready, for a person: what was seen, and
   /// what to do; empty while they can. Valid until the next step().
   [[nodiscard]] virtual std::string_view timing_doubt() const noexcept { return {}; }
+
+  /// What the device or its line was seen to do that they should not, for a person, whether the driver works
+  /// in spite of it or not: what was seen, and what to do; empty when nothing was. At most kRemarkMax
+  /// characters. Valid until the next step().
+  [[nodiscard]] virtual std::string_view remark() const noexcept { return {}; }
 
   /// Counts of everything refused, repeated, lost or out of order; names are unique within the device.
   [[nodiscard]] virtual std::span<const Counter> counters() const noexcept = 0;

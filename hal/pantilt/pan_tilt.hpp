@@ -113,6 +113,10 @@ class PanTilt : public Device {
   [[nodiscard]] virtual const AxisStatus& axis(Axis axis) const noexcept = 0;
   [[nodiscard]] virtual const PanTiltInfo& info() const noexcept = 0;
 
+  /// Why what comes over its line cannot be relied on, for a person: replies that come late or do not belong
+  /// to what was asked, noise; empty while it can. A remark() too. Valid until the next step().
+  [[nodiscard]] virtual std::string_view line_trouble() const noexcept { return {}; }
+
   /// Moves the oldest reported positions into `into` and returns how many. A moving axis is polled at the
   /// configured rate, a resting one slowly. Those nobody takes are dropped, oldest kept, and counted
   /// ("positions_dropped").

@@ -84,6 +84,7 @@ AxisInfo ptu_axis_info(const PtuAxisFacts& facts, PtuSense sense) noexcept {
 
 namespace {
 
+constexpr int kRampsOff = 2;                         // moves in a row, until another ramp is used
 constexpr double kDitherShare = 0.4;                 // of the period of polls: 20 % either way
 constexpr double kDitherStep = 0.61803398874989485;  // golden section: fills 0..1 as evenly as can be
 
@@ -100,6 +101,15 @@ void PtuAxis::set_up(const PtuAxisFacts& facts, std::int32_t position, Stamp now
   facts_ = facts;
   info_ = ptu_axis_info(facts, sense);
   unit_rad_ = sense == PtuSense::Normal ? facts.position_rad : -facts.position_rad;
+  if (facts != told_) {
+    told_ = facts;
+    learnt_.reset();
+    ramp_ = PtuRamp::AsTold;
+  }
+  ramps_off_ = 0;
+  if (learnt_) {
+    use(*learnt_);
+  }
   track_.set_up(unit_rad_, info_.speed_max_radps, config_.stamp_slack);
   track_.rest(position);
   forget();
@@ -166,6 +176,7 @@ void PtuAxis::on_speed_set() noexcept {
   speed_set_ = request_->speed_ps;
   if (!track_.resting()) {
     // From here on the move under way goes at the new speed.
+    ramp_fit_.cancel();
     track_.roam();
   }
 }
@@ -182,6 +193,11 @@ void PtuAxis::begin_move(const Request& request, const PtuAnswer& answer) noexce
   way.early =
       way.begun - request.first_sent.value_or(way.begun) + (from_rest ? Stamp{} : config_.move_latency_max);
   way.late = config_.move_latency_max;
+  way.speed_radps = request.speed_ps * facts_.position_rad;
+  ramp_fit_.cancel();
+  if (from_rest) {
+    ramp_fit_.begin(way, unit_rad_, config_.stamp_slack);
+  }
   if (from_rest || without_ramps) {
     track_.follow(way);
   } else {
@@ -197,6 +213,7 @@ void PtuAxis::begin_move(const Request& request, const PtuAnswer& answer) noexce
 void PtuAxis::on_halted(Stamp now) noexcept {
   request_.reset();
   status_.moving = false;
+  ramp_fit_.cancel();
   if (!track_.resting()) {
     track_.roam();
     due_ = now;
@@ -220,12 +237,13 @@ bool PtuAxis::on_sighting(const PtuSighting& sighting, Stamp now) noexcept {
     due_ = now;
     return true;
   }
+  ramp_fit_.add(sighting);
   const PtuJudgement judgement = track_.judge(sighting);
+  if (judgement.earlier) {
+    deliver(*judgement.earlier);
+  }
   switch (judgement.verdict) {
     case PtuVerdict::Believed:
-      if (judgement.earlier) {
-        deliver(*judgement.earlier);
-      }
       deliver(sighting);
       break;
     case PtuVerdict::Held:
@@ -262,8 +280,41 @@ void PtuAxis::deliver(const PtuSighting& sighting) noexcept {
 
 void PtuAxis::end_move() noexcept {
   counters_.count(PtuEvent::MovesLost, status_.moving && track_.position() != target_ ? 1 : 0);
+  if (track_.position() == target_) {
+    judge_ramp();
+  }
   status_.moving = false;
   move_speed_ = 0;
+}
+
+/// One move may have been held up on its way; the next one shows whether it was that.
+void PtuAxis::judge_ramp() noexcept {
+  const std::optional<PtuRampFit::Result> result = ramp_fit_.end(info_.dynamics);
+  if (!result) {
+    return;
+  }
+  if (!result->is_off) {
+    ramps_off_ = 0;
+    ramp_ = learnt_ ? PtuRamp::Learnt : PtuRamp::AsTold;
+    return;
+  }
+  if (++ramps_off_ < kRampsOff) {
+    return;
+  }
+  ramps_off_ = 0;
+  ramp_ = result->better ? PtuRamp::Learnt : PtuRamp::Unknown;
+  if (result->better) {
+    counters_.count(PtuEvent::ProfilesLearnt);
+    learnt_ = result->better;
+    use(*learnt_);
+  }
+}
+
+void PtuAxis::use(const AxisDynamics& dynamics) noexcept {
+  info_.dynamics = dynamics;
+  facts_.base_speed_ps =
+      static_cast<std::int32_t>(std::lround(dynamics.base_speed_radps / facts_.position_rad));
+  facts_.acceleration_ps2 = dynamics.acceleration_radps2 / facts_.position_rad;
 }
 
 /// Where a moving axis should be at `when`.

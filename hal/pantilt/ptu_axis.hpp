@@ -23,6 +23,15 @@ struct PtuAxisFacts {
   std::int32_t base_speed_ps = 0;
   double acceleration_ps2 = 0.0;  ///< positions/s^2
   double position_rad = 0.0;      ///< of one position, positive
+
+  [[nodiscard]] bool operator==(const PtuAxisFacts&) const noexcept = default;
+};
+
+/// How an axis speeds up, compared with what the unit tells of it.
+enum class PtuRamp : std::uint8_t {
+  AsTold,
+  Learnt,   ///< otherwise; what its positions show is used
+  Unknown,  ///< otherwise, and not as any ramp would explain
 };
 
 /// Asks a unit for everything that must not be assumed. Each question is put until two answers in a row
@@ -101,6 +110,12 @@ class PtuAxis {
 
   [[nodiscard]] const AxisStatus& status() const noexcept { return status_; }
 
+  /// As the unit tells it, but for a ramp that was learnt.
+  [[nodiscard]] const AxisInfo& info() const noexcept { return info_; }
+  [[nodiscard]] PtuRamp ramp() const noexcept { return ramp_; }
+  /// What the unit told.
+  [[nodiscard]] const PtuAxisFacts& told() const noexcept { return told_; }
+
  private:
   struct Request {
     std::int32_t target = 0;
@@ -112,6 +127,8 @@ class PtuAxis {
   void begin_move(const Request& request, const PtuAnswer& answer) noexcept;
   void deliver(const PtuSighting& sighting) noexcept;
   void end_move() noexcept;
+  void judge_ramp() noexcept;
+  void use(const AxisDynamics& dynamics) noexcept;
   [[nodiscard]] std::int32_t position_at(Stamp when) const noexcept;
 
   Axis axis_;
@@ -119,6 +136,11 @@ class PtuAxis {
   PtuCounters& counters_;
   PtuSamples& samples_;
   PtuAxisFacts facts_;
+  PtuAxisFacts told_;
+  PtuRamp ramp_ = PtuRamp::AsTold;
+  std::optional<AxisDynamics> learnt_;
+  PtuRampFit ramp_fit_;
+  int ramps_off_ = 0;      // moves in a row that did not follow the ramp in use
   double unit_rad_ = 0.0;  // of one position, signed by the sense
   AxisInfo info_;
   AxisStatus status_;

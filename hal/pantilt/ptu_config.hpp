@@ -92,6 +92,8 @@ enum class PtuEvent : std::uint8_t {
   FactsRefused,          ///< limits, resolution or speeds that cannot be
   SettingsRefused,       ///< optional settings the unit does not know
   SettingsRestored,      ///< echo or verbose mode found on again and turned off
+  EchoesStripped,        ///< commands that came back in front of their replies
+  ProfilesLearnt,        ///< an axis was seen to speed up otherwise than it tells
   PositionsImplausible,  ///< reported positions that were not believed
   PositionsUnproven,     ///< plausible, but on a way the driver cannot predict, and so not delivered
   PositionsDropped,      ///< nobody took them
@@ -102,16 +104,33 @@ enum class PtuEvent : std::uint8_t {
   MovesLost,             ///< confirmed, but the axis did not do it
 };
 
-inline constexpr std::array<std::string_view, 25> kPtuEventNames{
-    "replies_late",       "replies_unexpected", "replies_garbled",
-    "lines_overlong",     "limit_reports",      "trigger_reports",
-    "cable_reports",      "timeouts",           "resyncs",
-    "restarts",           "power_cycles",       "baud_fallbacks",
-    "network_recoveries", "resets_failed",      "facts_refused",
-    "settings_refused",   "settings_restored",  "positions_implausible",
-    "positions_unproven", "positions_dropped",  "positions_revoked",
-    "moves_refused",      "moves_rejected",     "moves_repeated",
-    "moves_lost"};
+inline constexpr std::array<std::string_view, 27> kPtuEventNames{"replies_late",
+                                                                 "replies_unexpected",
+                                                                 "replies_garbled",
+                                                                 "lines_overlong",
+                                                                 "limit_reports",
+                                                                 "trigger_reports",
+                                                                 "cable_reports",
+                                                                 "timeouts",
+                                                                 "resyncs",
+                                                                 "restarts",
+                                                                 "power_cycles",
+                                                                 "baud_fallbacks",
+                                                                 "network_recoveries",
+                                                                 "resets_failed",
+                                                                 "facts_refused",
+                                                                 "settings_refused",
+                                                                 "settings_restored",
+                                                                 "echoes_stripped",
+                                                                 "profiles_learnt",
+                                                                 "positions_implausible",
+                                                                 "positions_unproven",
+                                                                 "positions_dropped",
+                                                                 "positions_revoked",
+                                                                 "moves_refused",
+                                                                 "moves_rejected",
+                                                                 "moves_repeated",
+                                                                 "moves_lost"};
 
 using PtuCounters = Counters<PtuEvent, kPtuEventNames.size()>;
 

@@ -1,5 +1,8 @@
 #include "hal/pantilt/ptu_driver.hpp"
 
+#include "hal/text_writer.hpp"
+
+#include <cmath>
 #include <utility>
 
 namespace slamsensor::hal {
@@ -7,6 +10,15 @@ namespace {
 
 constexpr std::uint32_t kRefusedPollsMax = 5;  // in a row; one may be a lost byte
 
+constexpr std::uint32_t kSettingTries = 3;  // then the unit, or the line, is taken as it is
+constexpr double kLatenessTold = 0.3;       // share: smaller changes are not told anew
+constexpr std::uint64_t kNoiseTold = 10;    // times: as above
+
+constexpr std::string_view kEchoes =
+    "pan-tilt unit: commands come back although ED turned the echo off; an adapter that hears itself? They "
+    "are taken out of the replies";
+constexpr std::string_view kSentences =
+    "pan-tilt unit: it answers in sentences although FT turned them off; they are read as they are";
 constexpr std::string_view kLineDown =
     "pan-tilt unit: its serial line is down; check the adapter and its cable";
 
@@ -40,6 +52,7 @@ void PtuDriver::step(Stamp now) noexcept {
   } else {
     step_starting(now, notices);
   }
+  judge_line();
 }
 
 std::string_view PtuDriver::problem() const noexcept {
@@ -49,7 +62,8 @@ std::string_view PtuDriver::problem() const noexcept {
   if (state_ == DeviceState::Absent) {
     return link_.problem().empty() ? kLineDown : link_.problem();
   }
-  return startup_.problem();
+  const bool is_of_line = state_ == DeviceState::Starting && trouble_ != PtuLineHealth::Trouble::None;
+  return is_of_line ? trouble_text_.view() : startup_.problem();
 }
 
 MoveStatus PtuDriver::move(Axis axis, double target_rad, double speed_radps) noexcept {
@@ -82,6 +96,10 @@ bool PtuDriver::link_ready(Stamp now) noexcept {
   if (state_ == DeviceState::Absent || link_.epoch() != epoch_) {
     epoch_ = link_.epoch();
     startup_.renew();
+    exchange_.health().forget();
+    echo_tries_ = 0;
+    feedback_tries_ = 0;
+    compose_remark();
     restart(now);
   }
   return true;
@@ -128,8 +146,8 @@ void PtuDriver::get_ready(Stamp now) noexcept {
   pan_.set_up(startup_.facts(Axis::Pan), startup_.position(Axis::Pan), now);
   tilt_.set_up(startup_.facts(Axis::Tilt), startup_.position(Axis::Tilt), now);
   info_.model = FixedText<80>(exchange_.version());
-  info_.pan = ptu_axis_info(startup_.facts(Axis::Pan), config_.pan_sense);
-  info_.tilt = ptu_axis_info(startup_.facts(Axis::Tilt), config_.tilt_sense);
+  info_.pan = pan_.info();
+  info_.tilt = tilt_.info();
   disturbances_ = exchange_.disturbances();
   state_ = DeviceState::Ready;
 }
@@ -140,8 +158,7 @@ void PtuDriver::step_ready(Stamp now, const PtuExchange::Notices& notices) noexc
     startup_.begin_powered(now);
     return;
   }
-  echo_due_ = echo_due_ || notices.echo;
-  feedback_due_ = feedback_due_ || notices.verbose;
+  heed_manner(notices);
   heed_disturbance(now);
   if (const std::optional<PtuAnswer> answer = exchange_.take_answer()) {
     on_answer(*answer, now);
@@ -159,6 +176,17 @@ void PtuDriver::step_ready(Stamp now, const PtuExchange::Notices& notices) noexc
   if (free && state_ == DeviceState::Ready) {
     send_job(due_job(now), now);
   }
+}
+
+/// Some units, and adapters that hear what they send, cannot be made silent or terse.
+void PtuDriver::heed_manner(const PtuExchange::Notices& notices) noexcept {
+  if ((notices.plain && echo_tries_ > 0) || (notices.terse && feedback_tries_ > 0)) {
+    echo_tries_ = notices.plain ? 0 : echo_tries_;
+    feedback_tries_ = notices.terse ? 0 : feedback_tries_;
+    compose_remark();
+  }
+  echo_due_ = echo_due_ || (notices.echo && echo_tries_ < kSettingTries);
+  feedback_due_ = feedback_due_ || (notices.verbose && feedback_tries_ < kSettingTries);
 }
 
 /// What was taken last may be the very reply that was one too many, and the unit may have lost its settings.
@@ -191,12 +219,16 @@ void PtuDriver::on_answer(const PtuAnswer& answer, Stamp now) noexcept {
       break;
     case Job::Echo:
       echo_due_ = !settled;
+      echo_tries_ += settled ? 1 : 0;
+      compose_remark();
       counters_.count(PtuEvent::SettingsRestored, settled ? 1 : 0);
       pan_.forget_speed();
       tilt_.forget_speed();
       break;
     case Job::Feedback:
       feedback_due_ = !settled;
+      feedback_tries_ += settled ? 1 : 0;
+      compose_remark();
       counters_.count(PtuEvent::SettingsRestored, settled ? 1 : 0);
       break;
     case Job::Move:
@@ -232,6 +264,15 @@ void PtuDriver::believe_pending(Stamp now) noexcept {
   pending_.reset();
   if (!part(pending.axis).on_sighting(pending.sighting, now)) {
     restart(now);
+  }
+  const std::array ramps{pan_.ramp(), tilt_.ramp()};
+  const std::uint64_t learnt = counters_[PtuEvent::ProfilesLearnt];
+  if (state_ == DeviceState::Ready && (ramps != ramps_ || learnt != learnt_)) {
+    ramps_ = ramps;
+    learnt_ = learnt;
+    info_.pan = pan_.info();
+    info_.tilt = tilt_.info();
+    compose_remark();
   }
 }
 
@@ -285,6 +326,81 @@ void PtuDriver::send_job(Job job, Stamp now) noexcept {
   if (job == Job::Poll) {
     part(command.axis()).on_poll_sent(now);
   }
+}
+
+/// Tells the trouble of the line anew when it is another one or much greater.
+void PtuDriver::judge_line() noexcept {
+  using Trouble = PtuLineHealth::Trouble;
+  const PtuLineHealth& health = exchange_.health();
+  const double late_s = to_seconds(health.lateness());
+  const double told_s = to_seconds(told_lateness_);
+  const bool is_later =
+      health.trouble() == Trouble::Late && std::abs(late_s - told_s) > kLatenessTold * told_s;
+  const bool is_noisier =
+      health.trouble() == Trouble::Noise && health.noise_bytes() > kNoiseTold * told_noise_;
+  if (health.trouble() == trouble_ && !is_later && !is_noisier) {
+    return;
+  }
+  trouble_ = health.trouble();
+  told_lateness_ = health.lateness();
+  told_noise_ = health.noise_bytes();
+  TextWriter<kRemarkMax> text;
+  switch (trouble_) {
+    case Trouble::None:
+      break;
+    case Trouble::Late:
+      text << "pan-tilt unit: replies come late (";
+      text.tenths(late_s) << " s; ptu.query_timeout_s is ";
+      text.tenths(to_seconds(config_.query_timeout)) << "); check its line and adapter, or raise that";
+      break;
+    case Trouble::Misfit:
+      text
+          << "pan-tilt unit: replies do not fit the questions (swapped, doubled or of another device); check "
+             "its line and that nothing else commands it";
+      break;
+    case Trouble::Noise:
+      text << "pan-tilt unit: line noise (bytes that are no replies: ";
+      text.whole(static_cast<double>(told_noise_)) << "); check cable, shield and ground, and ptu.rates_baud";
+      break;
+  }
+  trouble_text_ = text.text();
+  compose_remark();
+}
+
+void PtuDriver::compose_remark() noexcept {
+  if (trouble_ != PtuLineHealth::Trouble::None) {
+    remark_ = trouble_text_;
+  } else if (echo_tries_ >= kSettingTries) {
+    remark_ = FixedText<kRemarkMax>(kEchoes);
+  } else if (feedback_tries_ >= kSettingTries) {
+    remark_ = FixedText<kRemarkMax>(kSentences);
+  } else {
+    remark_ = ramp_remark(pan_.ramp() != PtuRamp::AsTold ? Axis::Pan : Axis::Tilt);
+  }
+}
+
+FixedText<kRemarkMax> PtuDriver::ramp_remark(Axis axis) const noexcept {
+  const PtuRamp ramp = part(axis).ramp();
+  if (ramp == PtuRamp::AsTold) {
+    return {};
+  }
+  const auto figures = [axis](TextWriter<kRemarkMax>& text, double acceleration_ps2, double base_ps) {
+    text << (axis == Axis::Pan ? " (PA " : " (TA ");
+    text.whole(acceleration_ps2) << (axis == Axis::Pan ? ", PB " : ", TB ");
+    text.whole(base_ps) << ")";
+  };
+  const PtuAxisFacts& told = part(axis).told();
+  TextWriter<kRemarkMax> text;
+  text << (axis == Axis::Pan ? "pan" : "tilt") << " positions do not follow the acceleration that it tells";
+  figures(text, told.acceleration_ps2, told.base_speed_ps);
+  if (ramp == PtuRamp::Learnt) {
+    const AxisDynamics& used = part(axis).info().dynamics;
+    text << "; what they show is used";
+    figures(text, used.acceleration_radps2 / told.position_rad, used.base_speed_radps / told.position_rad);
+  } else {
+    text << ", nor any other; check its load, its supply and these settings";
+  }
+  return text.text();
 }
 
 }  // namespace slamsensor::hal

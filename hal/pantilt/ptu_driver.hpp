@@ -1,5 +1,7 @@
 #pragma once
 
+#include "hal/device.hpp"
+#include "hal/fixed_text.hpp"
 #include "hal/init_error.hpp"
 #include "hal/pantilt/pan_tilt.hpp"
 #include "hal/pantilt/ptu_axis.hpp"
@@ -10,6 +12,7 @@
 
 #include <tl/expected.hpp>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -31,6 +34,8 @@ class PtuDriver final : public PanTilt {
   void step(Stamp now) noexcept override;
   [[nodiscard]] DeviceState state() const noexcept override { return state_; }
   [[nodiscard]] std::string_view problem() const noexcept override;
+  [[nodiscard]] std::string_view remark() const noexcept override { return remark_.view(); }
+  [[nodiscard]] std::string_view line_trouble() const noexcept override { return trouble_text_.view(); }
   [[nodiscard]] std::span<const Counter> counters() const noexcept override { return counters_.all(); }
 
   [[nodiscard]] MoveStatus move(Axis axis, double target_rad, double speed_radps) noexcept override;
@@ -65,6 +70,10 @@ class PtuDriver final : public PanTilt {
   void believe_pending(Stamp now) noexcept;
   [[nodiscard]] Job due_job(Stamp now) const noexcept;
   void send_job(Job job, Stamp now) noexcept;
+  void heed_manner(const PtuExchange::Notices& notices) noexcept;
+  void judge_line() noexcept;
+  void compose_remark() noexcept;
+  [[nodiscard]] FixedText<kRemarkMax> ramp_remark(Axis axis) const noexcept;
 
   const PtuConfig config_;
   ByteLink& link_;
@@ -85,6 +94,15 @@ class PtuDriver final : public PanTilt {
   bool halt_due_ = false;
   bool echo_due_ = false;  // the echo must be turned off again
   bool feedback_due_ = false;
+  std::uint32_t echo_tries_ = 0;  // ED in a row after which the echo was still there; likewise FT
+  std::uint32_t feedback_tries_ = 0;
+  PtuLineHealth::Trouble trouble_ = PtuLineHealth::Trouble::None;  // as the text says
+  Stamp told_lateness_{};
+  std::uint64_t told_noise_ = 0;
+  std::array<PtuRamp, 2> ramps_{};  // as info() and the remark have them
+  std::uint64_t learnt_ = 0;
+  FixedText<kRemarkMax> trouble_text_;
+  FixedText<kRemarkMax> remark_;
 };
 
 }  // namespace slamsensor::hal

@@ -15,10 +15,160 @@ constexpr std::uint32_t kMarksMax = 3;                   // version queries in a
 constexpr Stamp kBannerLines = std::chrono::seconds(1);  // one after the other
 constexpr Stamp kDrainMax = std::chrono::seconds(2);
 
+constexpr Stamp kPrompt = std::chrono::milliseconds(20);  // after its command, at most
+constexpr Stamp kEarly = std::chrono::milliseconds(5);    // of a stamp
+constexpr Stamp kNoReplyAfter = std::chrono::seconds(6);  // a command whose reply is not expected any more
+constexpr std::size_t kBadReplies = 3;                    // of the last kJudgedMax: one may be a lost byte
+constexpr std::uint32_t kGoodReplies = 100;               // in a row: the trouble is over
+constexpr std::uint32_t kInStep = 8;                      // good replies in a row: none is owed any more
+constexpr std::uint64_t kNoiseBytes = 48;                 // two sentences of a unit at another rate
+constexpr std::uint64_t kNoiseShare = 2;                  // times the bytes of replies
+constexpr std::uint64_t kBytesKept = 1'000'000;
+
+bool fits(const PtuCommand& command, const PtuLine& line) noexcept {
+  if (!line.echo.empty() && !ptu_same_text(line.echo, command.text())) {
+    return false;
+  }
+  return line.kind == PtuLineKind::Refusal || ptu_match(command, line.payload).has_value();
+}
+
 }  // namespace
+
+void PtuLineHealth::on_sent(const PtuCommand& command, Stamp sent, Stamp patience) noexcept {
+  std::size_t old = sent_size_ == kSentMax ? 1 : 0;
+  while (old < sent_size_ && sent_[old].at + kNoReplyAfter < sent) {
+    ++old;
+  }
+  drop(old);
+  sent_[sent_size_++] = {command, sent, patience};
+}
+
+void PtuLineHealth::on_byte(std::uint8_t byte) noexcept {
+  line_bytes_ += byte == ' ' || byte == '\r' || byte == '\n' ? 0 : 1;
+}
+
+void PtuLineHealth::on_line(const PtuLine& line, Stamp now) noexcept {
+  const bool is_reply = line.kind == PtuLineKind::Success || line.kind == PtuLineKind::Refusal;
+  const auto is_any = [this](const auto& holds) {
+    return std::any_of(sent_.begin(), sent_.begin() + static_cast<std::ptrdiff_t>(sent_size_), holds);
+  };
+  const bool is_sound =
+      is_reply && (line.echo.empty() || is_any([&](const Sent& sent) { return fits(sent.command, line); }));
+  const bool is_echo = line.kind == PtuLineKind::Garbled && is_any([&](const Sent& sent) {
+                         return ptu_same_text(line.payload, sent.command.text());
+                       });
+  if (is_sound || is_echo || line.kind == PtuLineKind::Banner) {
+    reply_bytes_ += line_bytes_;
+    line_bytes_ = 0;
+  }
+  on_cut();
+  if (is_sound) {
+    on_reply(line, now);
+  }
+}
+
+void PtuLineHealth::on_cut() noexcept {
+  noise_bytes_ += line_bytes_;
+  line_bytes_ = 0;
+  if (noise_bytes_ + reply_bytes_ > kBytesKept) {
+    noise_bytes_ /= 2;
+    reply_bytes_ /= 2;
+  }
+  judge_noise();
+}
+
+void PtuLineHealth::on_found() noexcept {
+  noise_bytes_ = 0;
+  reply_bytes_ = 0;
+  if (trouble_ == Trouble::Noise) {
+    trouble_ = Trouble::None;
+  }
+}
+
+void PtuLineHealth::forget() noexcept {
+  *this = {};
+}
+
+/// A unit answers in the order of its commands, so a reply belongs to the oldest one that it fits. But one
+/// right behind the newest command is its answer, and those to the commands before were lost, unless it is as
+/// late for the oldest as the replies before were.
+void PtuLineHealth::on_reply(const PtuLine& line, Stamp now) noexcept {
+  std::size_t of = 0;
+  while (of < sent_size_ && !fits(sent_[of].command, line)) {
+    ++of;
+  }
+  if (of == sent_size_) {
+    note({Verdict::Misfit, {}});
+    return;
+  }
+  const Stamp after = line.begun - sent_[of].at;
+  const Sent& newest = sent_[sent_size_ - 1];
+  const bool is_prompt =
+      fits(newest.command, line) && line.begun + kEarly >= newest.at && line.begun <= newest.at + kPrompt;
+  const bool is_late_as_before = late_in_row_ >= 2 && std::chrono::abs(after - late_) < late_ / 5;
+  of = is_prompt && !is_late_as_before ? sent_size_ - 1 : of;
+  const Sent sent = sent_[of];
+  if (is_prompt && !is_late_as_before && good_in_row_ < kInStep) {
+    --sent_size_;  // by chance, perhaps: the older ones may still be answered
+  } else {
+    drop(of + 1);
+  }
+  const bool is_late = now > sent.at + sent.patience;
+  late_in_row_ = is_late ? late_in_row_ + 1 : 0;
+  late_ = is_late ? line.begun - sent.at : Stamp{};
+  note({is_late ? Verdict::Late : Verdict::Good, line.begun - sent.at});
+}
+
+void PtuLineHealth::note(Judged judged) noexcept {
+  judged_[judged_next_] = judged;
+  judged_next_ = (judged_next_ + 1) % kJudgedMax;
+  good_in_row_ = judged.verdict == Verdict::Good ? good_in_row_ + 1 : 0;
+  if (good_in_row_ >= kGoodReplies) {
+    trouble_ = Trouble::None;
+    noise_bytes_ = 0;
+    reply_bytes_ = 0;
+  } else if (judged.verdict != Verdict::Good) {
+    judge_replies();
+  }
+}
+
+/// Replies of a line or a unit that is late all come about as late as one another; among replies that were
+/// swapped or doubled many come at once, or belong to nothing.
+void PtuLineHealth::judge_replies() noexcept {
+  std::size_t late = 0;
+  std::size_t misfit = 0;
+  Stamp latest{};
+  for (const Judged& judged : judged_) {
+    late += judged.verdict == Verdict::Late ? 1 : 0;
+    misfit += judged.verdict == Verdict::Misfit ? 1 : 0;
+    latest = std::max(latest, judged.after);
+  }
+  if (late + misfit < kBadReplies || trouble_ == Trouble::Noise) {
+    return;
+  }
+  const auto prompt =
+      static_cast<std::size_t>(std::count_if(judged_.begin(), judged_.end(), [latest](const Judged& judged) {
+        return judged.verdict == Verdict::Good && judged.after > Stamp{} && 2 * judged.after < latest;
+      }));
+  trouble_ = late >= kBadReplies && late > 2 * (misfit + prompt) ? Trouble::Late : Trouble::Misfit;
+  lateness_ = trouble_ == Trouble::Late && late_ > Stamp{} ? late_ : latest;
+}
+
+void PtuLineHealth::judge_noise() noexcept {
+  if (noise_bytes_ >= kNoiseBytes && noise_bytes_ > kNoiseShare * reply_bytes_) {
+    trouble_ = Trouble::Noise;
+  }
+}
+
+void PtuLineHealth::drop(std::size_t count) noexcept {
+  std::move(sent_.begin() + static_cast<std::ptrdiff_t>(count),
+            sent_.begin() + static_cast<std::ptrdiff_t>(sent_size_), sent_.begin());
+  sent_size_ -= count;
+}
 
 void PtuExchange::reset(Stamp now) noexcept {
   parser_.clear();
+  health_.on_cut();
   version_ = {};
   state_ = State::Idle;
   answered_ = false;
@@ -42,7 +192,9 @@ void PtuExchange::step(Stamp now) noexcept {
     for (std::size_t i = 0; i < count; ++i) {
       // Bytes read together came one after the other: this one began so long before the read at the latest.
       const Stamp begun = read.stamp - on_line_for(count - i);
+      health_.on_byte(bytes[i]);
       if (const std::optional<PtuLine> line = parser_.push(bytes[i], begun)) {
+        health_.on_line(*line, now);
         on_line(*line);
       }
     }
@@ -65,6 +217,9 @@ bool PtuExchange::send(const PtuCommand& command, Stamp timeout, Stamp now) noex
   answer_ = {.command = command, .sent = now + on_line_for(size)};
   deadline_ = answer_.sent + timeout + line_time(reply_max, link_.baud());
   note(parser_.cut());
+  out_ = command;
+  echoed_ = false;
+  health_.on_sent(command, answer_.sent, deadline_ - answer_.sent);
   state_ = State::Waiting;
   return true;
 }
@@ -101,10 +256,7 @@ void PtuExchange::on_line(const PtuLine& line) noexcept {
       disturb();
       return;
     case PtuLineKind::Garbled:
-      if (!line.payload.empty()) {
-        counters_.count(PtuEvent::RepliesGarbled);
-        disturb();
-      }
+      on_garbled(line);
       return;
     case PtuLineKind::Success:
     case PtuLineKind::Refusal:
@@ -112,6 +264,21 @@ void PtuExchange::on_line(const PtuLine& line) noexcept {
       on_reply(line);
       return;
   }
+}
+
+/// Where an echo ends a line, it is a line of its own.
+void PtuExchange::on_garbled(const PtuLine& line) noexcept {
+  if (line.payload.empty()) {
+    return;
+  }
+  if ((state_ == State::Waiting || state_ == State::Marking) && ptu_same_text(line.payload, out_.text())) {
+    counters_.count(PtuEvent::EchoesStripped);
+    notices_.echo = true;
+    echoed_ = true;
+    return;
+  }
+  counters_.count(PtuEvent::RepliesGarbled);
+  disturb();
 }
 
 /// A banner has several lines at its beginning, and one that ends with the reset.
@@ -157,10 +324,15 @@ void PtuExchange::on_answer(const PtuLine& line) noexcept {
     return;
   }
   answer_.begun = std::max(line.begun, answer_.sent);
-  answer_.value = match ? match->value : 0.0;
+  const PtuMatch said = match.value_or(PtuMatch{});
+  answer_.value = said.value;
   answer_.axis_error = refused && ptu_same_text(line.payload.substr(0, 10), "Axis Error");
+  counters_.count(PtuEvent::EchoesStripped, line.echo.empty() ? 0 : 1);
+  notices_.plain = line.echo.empty() && !echoed_;
   notices_.echo = notices_.echo || !line.echo.empty();
-  notices_.verbose = notices_.verbose || (match && match->verbose);
+  notices_.verbose = notices_.verbose || said.verbose;
+  const bool is_number = command.expect() == PtuExpect::Position || command.expect() == PtuExpect::Number;
+  notices_.terse = is_number && match && !said.verbose;
   if (match && command.expect() == PtuExpect::Version) {
     version_ = FixedText<kPtuLineMax>(line.payload);
   }

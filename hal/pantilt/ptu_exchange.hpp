@@ -6,6 +6,8 @@
 #include "hal/pantilt/ptu_reply.hpp"
 #include "hal/transport/byte_link.hpp"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -26,6 +28,67 @@ struct PtuAnswer {
   bool axis_error = false;  ///< refused because the axis has not found its zero
   Stamp sent{};             ///< its last byte was on the line
   Stamp begun{};            ///< the reply began
+};
+
+/// Judges the line by what comes over it: whether replies keep coming later than they are waited for, do not
+/// belong to what was asked, or drown in bytes that are no replies. Only for words: no reply is believed or
+/// refused for it.
+class PtuLineHealth {
+ public:
+  enum class Trouble : std::uint8_t { None, Late, Misfit, Noise };
+
+  /// `command` went out; its last byte was on the line at `sent`, and its reply is waited for until
+  /// `patience` later.
+  void on_sent(const PtuCommand& command, Stamp sent, Stamp patience) noexcept;
+  void on_byte(std::uint8_t byte) noexcept;
+  /// The bytes since the last line are `line`, which was whole at `now`.
+  void on_line(const PtuLine& line, Stamp now) noexcept;
+  /// The bytes since the last line belong to none.
+  void on_cut() noexcept;
+  /// The unit was found at the line's rate: bytes of other rates do not count.
+  void on_found() noexcept;
+  /// Another line, or another device on it.
+  void forget() noexcept;
+
+  /// Lasts until a hundred replies in a row came as they should.
+  [[nodiscard]] Trouble trouble() const noexcept { return trouble_; }
+  /// How late replies come after their commands, when trouble() is Late.
+  [[nodiscard]] Stamp lateness() const noexcept { return lateness_; }
+  /// Bytes that were no replies, when trouble() is Noise.
+  [[nodiscard]] std::uint64_t noise_bytes() const noexcept { return noise_bytes_; }
+
+ private:
+  enum class Verdict : std::uint8_t { Good, Late, Misfit };
+  struct Sent {
+    PtuCommand command;
+    Stamp at{};
+    Stamp patience{};
+  };
+  struct Judged {
+    Verdict verdict = Verdict::Good;
+    Stamp after{};  // its command; of a Misfit nothing
+  };
+  static constexpr std::size_t kSentMax = 16;
+  static constexpr std::size_t kJudgedMax = 8;
+
+  void on_reply(const PtuLine& line, Stamp now) noexcept;
+  void note(Judged judged) noexcept;
+  void judge_replies() noexcept;
+  void judge_noise() noexcept;
+  void drop(std::size_t count) noexcept;
+
+  std::array<Sent, kSentMax> sent_;  // and not answered, oldest first
+  std::size_t sent_size_ = 0;
+  std::array<Judged, kJudgedMax> judged_;  // the last replies
+  std::size_t judged_next_ = 0;
+  Stamp late_{};  // of the last reply after its command, if it was late
+  std::uint32_t late_in_row_ = 0;
+  std::uint32_t good_in_row_ = 0;
+  std::uint64_t line_bytes_ = 0;
+  std::uint64_t noise_bytes_ = 0;
+  std::uint64_t reply_bytes_ = 0;
+  Trouble trouble_ = Trouble::None;
+  Stamp lateness_{};
 };
 
 /// One command at a time on the line to the unit, and the answer that belongs to it.
@@ -70,12 +133,17 @@ class PtuExchange {
   /// What of the unit's manner was noticed since the last call, once.
   struct Notices {
     bool banner = false;        ///< it was switched on
-    bool echo = false;          ///< it echoes
+    bool echo = false;          ///< it echoes, or the line does
+    bool plain = false;         ///< it answered without an echo
     bool verbose = false;       ///< it speaks in sentences
+    bool terse = false;         ///< it answered with a mere number
     std::uint32_t replies = 0;  ///< lines in the grammar of a reply
     std::uint32_t marks = 0;
   };
   [[nodiscard]] Notices take_notices() noexcept;
+
+  [[nodiscard]] PtuLineHealth& health() noexcept { return health_; }
+  [[nodiscard]] const PtuLineHealth& health() const noexcept { return health_; }
 
   /// What the unit said of itself since the last reset().
   [[nodiscard]] std::string_view version() const noexcept { return version_.view(); }
@@ -84,6 +152,7 @@ class PtuExchange {
   enum class State : std::uint8_t { Idle, Waiting, Draining, Marking };
 
   void on_line(const PtuLine& line) noexcept;
+  void on_garbled(const PtuLine& line) noexcept;
   void on_banner(const PtuLine& line) noexcept;
   void on_reply(const PtuLine& line) noexcept;
   void on_answer(const PtuLine& line) noexcept;
@@ -100,6 +169,9 @@ class PtuExchange {
   const PtuConfig& config_;
   PtuCounters& counters_;
   PtuReplyParser parser_;
+  PtuLineHealth health_;
+  PtuCommand out_;       // sent last
+  bool echoed_ = false;  // it came back on a line of its own
   FixedText<kPtuLineMax> version_;
   State state_ = State::Idle;
   PtuAnswer answer_;

@@ -212,6 +212,7 @@ void PtuFinder::on_version(Stamp now) noexcept {
     return;
   }
   rates_.confirm();
+  exchange_.health().on_found();
   attempts_ = 0;
   signs_ = 0;
   replied_ = true;

@@ -3,6 +3,8 @@
 #include "hal/pantilt/pan_tilt.hpp"
 #include "hal/stamp.hpp"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -32,7 +34,9 @@ struct PtuJudgement {
 /// What the driver knows of where an axis must be, against which reported positions are judged. A terse
 /// position has no check sum: a lost digit or sign leaves a number as good as any. So a resting axis must
 /// report its place exactly, and a moving one must lag behind its profile by the same time from poll to poll,
-/// within what the stamps allow.
+/// within what the stamps allow. An axis that is under way to its target, but not as its profile says, is
+/// judged by what no ramp can break: it stays between start and target, goes no way back, and is not faster
+/// than its speed.
 class PtuTrack {
  public:
   /// One position of the unit in rad, signed by the sense of the axis; the axis rests at `position`.
@@ -49,6 +53,7 @@ class PtuTrack {
     std::int32_t target = 0;
     Stamp early{};
     Stamp late{};
+    double speed_radps = 0.0;  ///< that the axis is to reach; 0: the greatest that it can
   };
   void follow(const Way& way) noexcept;
 
@@ -64,7 +69,7 @@ class PtuTrack {
   [[nodiscard]] std::int32_t position() const noexcept { return position_; }
 
  private:
-  enum class State : std::uint8_t { Resting, Following, Roaming };
+  enum class State : std::uint8_t { Resting, Following, Bounded, Roaming };
   struct Lag {
     double low_s = 0.0;
     double high_s = 0.0;
@@ -74,6 +79,11 @@ class PtuTrack {
   [[nodiscard]] PtuJudgement doubt(PtuVerdict verdict) noexcept;
   [[nodiscard]] PtuJudgement believe(const PtuSighting& sighting) noexcept;
   [[nodiscard]] PtuJudgement judge_way(const PtuSighting& sighting) noexcept;
+  [[nodiscard]] PtuJudgement judge_profile(const PtuSighting& sighting) noexcept;
+  [[nodiscard]] PtuJudgement judge_bounded(const PtuSighting& sighting) noexcept;
+  [[nodiscard]] bool is_on_way(const PtuSighting& sighting,
+                               const std::optional<PtuSighting>& before) const noexcept;
+  [[nodiscard]] double way_speed_radps() const noexcept;
   [[nodiscard]] PtuJudgement judge_lag(const PtuSighting& sighting, const Lag& lag) noexcept;
   [[nodiscard]] PtuJudgement judge_roaming(const PtuSighting& sighting) noexcept;
   [[nodiscard]] std::optional<Lag> lag_of(const PtuSighting& sighting) const noexcept;
@@ -90,9 +100,48 @@ class PtuTrack {
   Stamp anchored_{};
   std::optional<Lag> candidate_;  // of the last one that was not
   std::optional<PtuSighting> last_;
-  int agreed_ = 0;   // with candidate_, in a row
-  int same_ = 0;     // places in a row, at the target or roaming
-  int doubted_ = 0;  // in a row
+  int agreed_ = 0;                       // with candidate_, in a row
+  int same_ = 0;                         // places in a row, at the target or roaming
+  int doubted_ = 0;                      // in a row
+  std::optional<PtuSighting> way_seen_;  // the last one; when Bounded, that was believed
+  std::optional<PtuSighting> held_;      // when Bounded, after it
+  int on_way_ = 0;                       // of those, in a row ...
+  std::int32_t on_way_from_ = 0;         // ... beginning here
+  Stamp still_since_{};                  // at the place of the last one
+};
+
+/// Compares what was seen of whole moves, from rest to rest, with how the axis says that it speeds up, and
+/// finds a ramp that explains it better. No allocation; one search costs about a millisecond.
+class PtuRampFit {
+ public:
+  /// A move begins whose start and target are known. `position_rad` and `slack` as of PtuTrack::set_up().
+  void begin(const PtuTrack::Way& way, double position_rad, Stamp slack) noexcept;
+  /// The move under way is not one from rest to rest.
+  void cancel() noexcept { is_active_ = false; }
+  void add(const PtuSighting& sighting) noexcept;
+
+  struct Result {
+    bool is_off = false;                 ///< `told` does not explain what was seen
+    std::optional<AxisDynamics> better;  ///< that which does
+  };
+  /// The move has ended at its target. Nothing when too little was seen of it.
+  [[nodiscard]] std::optional<Result> end(const AxisDynamics& told) noexcept;
+
+ private:
+  static constexpr std::size_t kSeenMax = 64;
+
+  void thin_out() noexcept;
+  [[nodiscard]] double misfit(const AxisDynamics& dynamics) const noexcept;
+  [[nodiscard]] AxisDynamics best_ramp(double base_speed_radps) const noexcept;
+
+  PtuTrack::Way way_;
+  double position_rad_ = 0.0;
+  double slack_s_ = 0.0;
+  bool is_active_ = false;
+  std::array<PtuSighting, kSeenMax> seen_;
+  std::size_t seen_size_ = 0;
+  std::uint32_t stride_ = 1;  // one in so many is kept
+  std::uint32_t skipped_ = 0;
 };
 
 }  // namespace slamsensor::hal

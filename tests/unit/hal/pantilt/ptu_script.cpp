@@ -58,7 +58,7 @@ int PtuScript::position(char axis, Stamp at) const {
   if (!motion.moving) {
     return motion.rest;
   }
-  const double way = motion.profile.position_rad(hal::to_seconds(at - motion.begun));
+  const double way = motion.profile.position_rad(hal::to_seconds(at - motion.begun) / (1.0 + slowness));
   return static_cast<int>(way);
 }
 
@@ -70,7 +70,7 @@ void PtuScript::run(char axis, int target, double speed, Stamp at) {
   }
   const int from = position(axis, at);
   motion = {from, from, target, motion.speed, true, {}, at + move_latency};
-  motion.profile = hal::MotionProfile(from, target, speed, {1000.0, 2000.0});
+  motion.profile = hal::MotionProfile(from, target, speed, ramp);
 }
 
 void PtuScript::power_cycle(Stamp at, Stamp reset) {
@@ -119,7 +119,7 @@ void PtuScript::on_write(const ScriptedLink::Written& written) {
       continue;
     }
     if (echo) {
-      say(typed + c, at);
+      say(typed + echo_end, at);
     }
     if (!typed.empty()) {
       const std::string command = std::exchange(typed, {});
@@ -141,7 +141,12 @@ void PtuScript::on_command(const std::string& command, Stamp at) {
     when += mishap->late;
     mishaps.erase(mishap);
   }
-  say(reply, when);
+  reply = twist ? twist(reply) : reply;
+  if (swaps && !held_) {
+    held_ = reply;
+  } else {
+    say(reply + std::exchange(held_, std::nullopt).value_or(""), when + late);
+  }
   if (command.starts_with("@(") && obeys_baud && reply[0] == '*') {
     baud = static_cast<std::uint32_t>(std::atoi(command.c_str() + 2));
   }
@@ -189,9 +194,9 @@ std::string PtuScript::position_result(const std::string& command, Stamp at) {
 
 std::string PtuScript::setting_result(const std::string& command, Stamp at) {
   if (command == "ED") {
-    echo = false;
+    echo = keeps_echo;
   } else if (command == "FT") {
-    verbose = false;
+    verbose = keeps_sentences;
   } else if (command == "CI") {
     velocity = false;
   } else if (command == "I") {

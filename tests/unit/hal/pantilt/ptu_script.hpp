@@ -6,6 +6,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,14 @@ class PtuScript {
   bool limits = false;
   bool monitor = false;
   bool obeys_baud = true;
+  char echo_end = ' ';
+  bool keeps_echo = false;                 ///< whatever ED says
+  bool keeps_sentences = false;            ///< whatever FT says
+  hal::AxisDynamics ramp{1000.0, 2000.0};  ///< of both axes in truth, whatever `facts` tell
+  double slowness = 0.0;                   ///< share by which its clock is slow
+  hal::Stamp late{};                       ///< of every reply, beside its latency
+  bool swaps = false;                      ///< each reply waits for the next one, which goes out before it
+  std::function<std::string(std::string)> twist;  ///< of every reply
   std::string eol = "\r\n";
   std::string typed;  ///< half a command
   hal::Stamp mute_until{};
@@ -72,7 +81,8 @@ class PtuScript {
 
   ScriptedLink& link_;
   std::map<char, Motion> axes_;
-  hal::Stamp free_{};  // of the line to the driver
+  hal::Stamp free_{};                // of the line to the driver
+  std::optional<std::string> held_;  // back, to be swapped
 };
 
 }  // namespace slamsensor::tests
