@@ -10,6 +10,7 @@ constexpr unsigned kStepsMax = 64;
 constexpr Stamp kBackOffFirst = std::chrono::milliseconds(500);
 constexpr Stamp kBackOffMost = std::chrono::seconds(8);
 constexpr Stamp kTrouble = std::chrono::seconds(5);  // running for so long, the last trouble is forgotten
+constexpr Stamp kStopped = std::chrono::milliseconds(500);  // between two steps
 constexpr std::string_view kLinkDown = "the link is down; waiting for it to come back";
 constexpr std::string_view kStarting = "starting: asking the device what it is";
 constexpr std::string_view kNoReadings = "the device answers but sends no readings";
@@ -25,6 +26,13 @@ void Request::say(std::span<const std::uint8_t> from) noexcept {
 
 bool Dialogue::open(Stamp now) noexcept {
   line_.service(now);
+  if (stepped_ > Stamp{} && now - stepped_ > kStopped) {
+    // Nobody listened: what the stream did meanwhile is not the device's doing.
+    last_heard_ = now;
+    due_ = std::max(due_, now + request_.patience);
+    open_window(now);
+  }
+  stepped_ = now;
   if (!line_.is_up()) {
     if (phase_ != Phase::Absent) {
       counters_.count(RangeEvent::LinkLosses);

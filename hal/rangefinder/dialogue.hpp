@@ -145,6 +145,7 @@ class Dialogue {
   Stamp last_heard_{};
   Stamp window_begun_{};
   Stamp running_since_{};
+  Stamp stepped_{};  ///< last
   Stamp silence_ = std::chrono::seconds(1);
   double rate_hz_ = 0.0;
 };

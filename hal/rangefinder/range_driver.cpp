@@ -1,7 +1,8 @@
 #include "hal/rangefinder/range_driver.hpp"
 
+#include "hal/text_writer.hpp"
+
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -87,28 +88,9 @@ namespace {
 constexpr double kSilentPeriods = 20.0;
 constexpr Stamp kSilenceLeast = std::chrono::milliseconds(250);  // longer than a stall of the host
 constexpr std::size_t kLostMost = 1000;
-constexpr double kRateReported = 0.01;  // share: smaller changes of a wrong rate are not reported
-
-/// Writes words and whole numbers side by side, without memory.
-class DoubtWriter {
- public:
-  void words(std::string_view words) noexcept {
-    const std::size_t count = std::min(words.size(), text_.size() - size_);
-    std::copy_n(words.begin(), count, text_.begin() + static_cast<std::ptrdiff_t>(size_));
-    size_ += count;
-  }
-  void whole(double value) noexcept {
-    std::array<char, 24> digits{};
-    const auto rounded = std::llround(std::clamp(value, 0.0, 1e9));
-    const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), rounded);
-    words({digits.data(), static_cast<std::size_t>(end - digits.data())});
-  }
-  [[nodiscard]] std::string_view view() const noexcept { return {text_.data(), size_}; }
-
- private:
-  std::array<char, 128> text_{};
-  std::size_t size_ = 0;
-};
+constexpr std::uint64_t kUnframedBytes = 200;  // a reply torn by a change of the line rate is shorter
+constexpr std::uint64_t kUnframedTold = 10;    // times: smaller changes are not reported
+constexpr double kRateReported = 0.01;         // share: smaller changes of a wrong rate are not reported
 
 }  // namespace
 
@@ -129,6 +111,7 @@ std::optional<InitError> range_config_error(const RangeConfig& config) {
 }
 
 Measurement judged(Measurement raw, Strength strength, const RangeConfig& config) noexcept {
+  raw.told_m = std::isfinite(raw.range_m) ? raw.range_m : 0.0;
   if (raw.echo == Echo::Return) {
     if (!std::isfinite(raw.range_m)) {
       raw.echo = Echo::Fault;
@@ -164,6 +147,37 @@ void RangeDriver::step(Stamp now) noexcept {
   receive(now);
   dialogue_.close(now);
   tell_doubt();
+  tell_unframed();
+}
+
+std::string_view RangeDriver::problem() const noexcept {
+  const bool is_waiting = state() == DeviceState::Starting || state() == DeviceState::Faulted;
+  return is_waiting && !unframed_.view().empty() ? unframed_.view() : dialogue_.problem();
+}
+
+/// Bytes without any reading among them are another device, another rate of the line, or a bad line.
+void RangeDriver::tell_unframed() noexcept {
+  const std::uint64_t bytes = counters_[RangeEvent::BytesSkipped] - skipped_before_;
+  if (dialogue_.state() == DeviceState::Ready || bytes < kUnframedBytes ||
+      bytes < kUnframedTold * told_unframed_) {
+    return;
+  }
+  told_unframed_ = bytes;
+  TextWriter<kRemarkMax> text;
+  text.whole(static_cast<double>(bytes)) << " bytes and no valid frame";
+  if (const auto sums = counters_[RangeEvent::ChecksumErrors] - checksums_before_; sums > 0) {
+    text << " (";
+    text.whole(static_cast<double>(sums)) << " wrong checksums)";
+  }
+  text << ": check model and baud rate, then the cable";
+  unframed_ = text.text();
+}
+
+void RangeDriver::forget_unframed() noexcept {
+  skipped_before_ = counters_[RangeEvent::BytesSkipped];
+  checksums_before_ = counters_[RangeEvent::ChecksumErrors];
+  told_unframed_ = 0;
+  unframed_ = {};
 }
 
 void RangeDriver::tell_doubt() noexcept {
@@ -185,13 +199,11 @@ void RangeDriver::tell_doubt() noexcept {
         FixedText<kDoubtMax>("readings come too irregularly to be timed; check cable and load of the host");
     return;
   }
-  DoubtWriter text;
-  text.words("readings come at ");
-  text.whole(rate_hz);
-  text.words(" Hz instead of ");
-  text.whole(info_.rate_hz);
-  text.words(" Hz: not used; check rate and cable");
-  doubt_ = FixedText<kDoubtMax>(text.view());
+  TextWriter<kDoubtMax> text;
+  text << "readings come at ";
+  text.whole(rate_hz) << " Hz instead of ";
+  text.whole(info_.rate_hz) << " Hz: not used; check rate and cable";
+  doubt_ = text.text();
 }
 
 void RangeDriver::expect_rate(double rate_hz, std::size_t block) noexcept {
@@ -211,12 +223,14 @@ void RangeDriver::deliver(std::span<const Measurement> block, Stamp latest, Stam
   counters_.count(RangeEvent::PhaseLocks, clock_.relocks() - relocks);
   const bool is_trusted = dialogue_.state() == DeviceState::Ready && clock_.settled();
   dialogue_.heard(now, block.size());
+  forget_unframed();
   if (!is_trusted) {
     counters_.count(RangeEvent::ReadingsWithheld, block.size());
     return;
   }
   for (std::size_t i = 0; i < block.size(); ++i) {
-    if (!samples_.try_push({stamps[i], block[i].range_m, block[i].strength, block[i].echo})) {
+    if (!samples_.try_push(
+            {stamps[i], block[i].range_m, block[i].strength, block[i].echo, block[i].told_m})) {
       counters_.count(RangeEvent::ReadingsDropped);
     }
   }

@@ -92,6 +92,7 @@ struct Measurement {
   double range_m = 0.0;
   double strength = 0.0;
   Echo echo = Echo::Return;
+  double told_m = 0.0;  ///< see RangeSample; set by judged()
 };
 
 enum class Strength : std::uint8_t { Unknown, Known };
@@ -106,7 +107,7 @@ class RangeDriver : public Rangefinder, protected Script {
  public:
   void step(Stamp now) noexcept final;
   [[nodiscard]] DeviceState state() const noexcept final { return dialogue_.state(); }
-  [[nodiscard]] std::string_view problem() const noexcept final { return dialogue_.problem(); }
+  [[nodiscard]] std::string_view problem() const noexcept final;
   [[nodiscard]] std::string_view timing_doubt() const noexcept final { return doubt_.view(); }
   [[nodiscard]] std::span<const Counter> counters() const noexcept final { return counters_.all(); }
   [[nodiscard]] std::size_t take(std::span<RangeSample> into) noexcept final { return samples_.take(into); }
@@ -137,11 +138,17 @@ class RangeDriver : public Rangefinder, protected Script {
 
  private:
   void tell_doubt() noexcept;
+  void tell_unframed() noexcept;
+  void forget_unframed() noexcept;
 
   RangeConfig config_;
   bool was_in_doubt_ = false;
   double reported_hz_ = 0.0;
   FixedText<kDoubtMax> doubt_;
+  std::uint64_t skipped_before_ = 0;  ///< of the counters, when a reading came last
+  std::uint64_t checksums_before_ = 0;
+  std::uint64_t told_unframed_ = 0;
+  FixedText<kRemarkMax> unframed_;  ///< bytes come, but no reading
   Ring<RangeSample, kRangeSamplesMax> samples_;
 };
 

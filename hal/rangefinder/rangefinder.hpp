@@ -62,6 +62,8 @@ struct RangeSample {
   double range_m = 0.0;   ///< meaningful for Echo::Return alone, and then positive; 0 otherwise
   double strength = 0.0;  ///< in the device's unit; 0 when it reports none
   Echo echo = Echo::None;
+  /// The distance that the device told, whatever came back: a device that always tells the same is stuck.
+  double told_m = 0.0;
 };
 
 struct RangefinderInfo {
