@@ -248,7 +248,7 @@ std::string devices_json(const SensorStatus& status) {
 std::vector<std::string> status_text(const SensorStatus& status) {
   const FixReport& report = status.report;
   std::vector<std::string> lines = {
-      field("state", to_string(status.state)), field("fix", fix_phrase(report.fix)),
+      field("state", to_string(status.state)), field("fix", fix_phrase(status)),
       field("map", map_text(status)),          field("scan", scan_text(status.head)),
       field("slam", slam_text(status.slam)),
   };

@@ -9,6 +9,7 @@ namespace slamsensor::firmware {
 namespace {
 
 constexpr hal::Stamp kReportPeriod = std::chrono::milliseconds(100);
+constexpr hal::Stamp kStop = std::chrono::seconds(1);
 constexpr hal::Stamp kRatePeriod = std::chrono::seconds(1);
 
 std::string_view phase_of(const ScanScheduler& scheduler) noexcept {
@@ -67,6 +68,11 @@ ScanLoop::ScanLoop(HeadRuntime& head, GpioInputs* panel, ScanOrders& orders, Sca
 }
 
 void ScanLoop::step(hal::Stamp now, const PeriodicTimer& timer) noexcept {
+  if (stepped_ > hal::Stamp{} && now - stepped_ >= kStop) {
+    ++stops_;
+    last_stop_ = now - stepped_;
+  }
+  stepped_ = now;
   obey(now);
   if (TapeWriter* const tape = head_.tape()) {
     tape->step(now);
@@ -169,6 +175,8 @@ void ScanLoop::report(hal::Stamp now, const PeriodicTimer& timer) noexcept {
   status.latency_sigma_s = head.latency().sigma_s;
   status.readings = head.readings();
   status.readings_hz = rate_hz_;
+  status.stops = stops_;
+  status.last_stop = last_stop_;
   status.wake_latency_max = timer.wake_latency_max();
   status.counters.size = 0;
   status.counters.append(timer.counters());

@@ -98,6 +98,9 @@ class ScanLoop {
   std::uint32_t scans_requested_;
   std::uint32_t aborts_requested_;
   std::uint32_t scan_ = 0;
+  hal::Stamp stepped_{};
+  std::uint32_t stops_ = 0;
+  hal::Stamp last_stop_{};
   hal::Stamp reported_{};
   hal::Stamp rate_since_{};
   std::uint64_t rate_readings_ = 0;

@@ -9,9 +9,10 @@
 namespace slamsensor::firmware {
 namespace {
 
-constexpr std::uint32_t kLinesInRow = 3;  // one or two may be a disturbance of the line
-constexpr double kPlainLimit = 1e6;       // no figure of a head is larger
-constexpr double kStayed_rad = 0.0035;    // 0.2 deg: more than a resting axis gives way
+constexpr std::uint32_t kLinesInRow = 3;      // one or two may be a disturbance of the line
+constexpr std::uint32_t kReadingsLeast = 50;  // of a line: fewer may be alike by chance
+constexpr double kPlainLimit = 1e6;           // no figure of a head is larger
+constexpr double kStayed_rad = 0.0035;        // 0.2 deg: more than a resting axis gives way
 
 /// Text and figures one after the other, cut at the length of a problem.
 class Sentence {
@@ -124,6 +125,11 @@ bool is_of_head(ScanAbort reason) noexcept {
   return false;
 }
 
+bool is_of_pan_tilt(ScanAbort reason) noexcept {
+  return reason == ScanAbort::PanTiltLost || reason == ScanAbort::PanStalled ||
+         reason == ScanAbort::TiltStalled || reason == ScanAbort::HeadMoved;
+}
+
 /// What happens once may be an accident: a plug that was touched, a hand on the head.
 bool is_accident(ScanAbort reason) noexcept {
   return reason == ScanAbort::PanTiltLost || reason == ScanAbort::RangefinderLost ||
@@ -132,6 +138,35 @@ bool is_accident(ScanAbort reason) noexcept {
 
 }  // namespace
 
+void ReadingsWatch::begin_line() noexcept {
+  readings_ = 0;
+  is_same_ = true;
+  is_none_ = true;
+}
+
+void ReadingsWatch::add(const hal::RangeSample& sample) noexcept {
+  if (readings_++ == 0) {
+    first_ = sample;
+  }
+  is_same_ = is_same_ && sample.told_m == first_.told_m && sample.range_m == first_.range_m &&
+             sample.strength == first_.strength && sample.echo == first_.echo;
+  is_none_ = is_none_ && sample.echo == hal::Echo::None;
+  tells_strength_ = tells_strength_ || sample.strength != 0.0;
+}
+
+ReadingsFinding ReadingsWatch::finding() const noexcept {
+  if (readings_ < kReadingsLeast) {
+    return ReadingsFinding::Varied;
+  }
+  if (is_same_ && first_.echo != hal::Echo::None) {
+    return ReadingsFinding::Stuck;
+  }
+  if (is_same_ && first_.told_m == 0.0 && first_.strength == 0.0 && tells_strength_) {
+    return ReadingsFinding::Zero;
+  }
+  return is_none_ ? ReadingsFinding::OverRange : ReadingsFinding::Varied;
+}
+
 void ScanFailure::on_abort(const AbortedPass& pass) noexcept {
   if (!is_of_head(pass.reason)) {
     return;
@@ -139,6 +174,11 @@ void ScanFailure::on_abort(const AbortedPass& pass) noexcept {
   reason_ = pass.reason;
   ++aborts_in_row_;
   Sentence sentence;
+  if (is_of_pan_tilt(pass.reason) && !pass.line_trouble.empty()) {
+    text_ =
+        hal::FixedText<hal::kProblemMax>(pass.line_trouble);  // what was seen over this line is no evidence
+    return;
+  }
   switch (pass.reason) {
     case ScanAbort::PanStalled:
     case ScanAbort::TiltStalled: {
@@ -191,6 +231,37 @@ void ScanFailure::on_line_rejected(core::LineRejection why) noexcept {
   }
 }
 
+void ScanFailure::on_readings(const ReadingsWatch& watch) noexcept {
+  const ReadingsFinding found = watch.finding();
+  const bool was_stuck = is_stuck();
+  alike_ = found == finding_ ? alike_ : 0;
+  finding_ = found;
+  alike_ += watch.readings();
+  is_pass_empty_ = is_pass_empty_ && found == ReadingsFinding::OverRange;
+  if (found == ReadingsFinding::OverRange) {
+    readings_text_ = was_stuck ? hal::FixedText<hal::kProblemMax>() : readings_text_;
+    return;  // one line of many may look at the sky: see on_pass()
+  }
+  Sentence sentence;
+  sentence << "rangefinder: all " << alike_ << " readings ";
+  switch (found) {
+    case ReadingsFinding::Varied:
+    case ReadingsFinding::OverRange:
+      alike_ = 0;
+      readings_text_ = {};
+      return;
+    case ReadingsFinding::Stuck:
+      sentence << "of the scan are identical (" << watch.told_m()
+               << " m): lens covered, or the device is stuck; clean it, switch it off and on";
+      break;
+    case ReadingsFinding::Zero:
+      sentence << "of the scan are distance 0 and strength 0: lens covered, or its receiver is dead; clean "
+                  "it, switch it off and on";
+      break;
+  }
+  readings_text_ = sentence.text();
+}
+
 void ScanFailure::on_line() noexcept {
   lines_in_row_ = 0;
   if (!reason_) {
@@ -199,6 +270,14 @@ void ScanFailure::on_line() noexcept {
 }
 
 void ScanFailure::on_pass() noexcept {
+  if (is_pass_empty_ && finding_ == ReadingsFinding::OverRange) {
+    Sentence sentence;
+    sentence
+        << "rangefinder: all " << alike_
+        << " readings of the scan are over range or without echo: nothing around, or its lens is covered";
+    readings_text_ = sentence.text();
+  }
+  is_pass_empty_ = true;
   reason_.reset();
   aborts_in_row_ = 0;
   if (lines_in_row_ < kLinesInRow) {
@@ -207,7 +286,8 @@ void ScanFailure::on_pass() noexcept {
 }
 
 bool ScanFailure::is_failing() const noexcept {
-  return lines_in_row_ >= kLinesInRow || aborts_in_row_ > 1 || (reason_ && !is_accident(*reason_));
+  return is_stuck() || lines_in_row_ >= kLinesInRow || aborts_in_row_ > 1 ||
+         (reason_ && !is_accident(*reason_));
 }
 
 }  // namespace slamsensor::firmware

@@ -12,6 +12,9 @@ namespace {
 constexpr std::size_t kRangeRounds = hal::kRangeSamplesMax / 512 + 1;
 constexpr std::size_t kPositionRounds = hal::kAxisSamplesMax / 64 + 1;
 
+constexpr hal::Stamp kStopped = std::chrono::milliseconds(500);  // between two steps
+constexpr hal::Stamp kResumed = std::chrono::seconds(5);         // then all is as before
+
 const hal::MotionProfile& profile(const void* model) noexcept {
   return *static_cast<const hal::MotionProfile*>(model);
 }
@@ -62,6 +65,8 @@ SensorHead::SensorHead(hal::PanTilt& pan_tilt, hal::Rangefinder& rangefinder, co
 }
 
 void SensorHead::step(hal::Stamp now) noexcept {
+  resumed_ = stepped_ > hal::Stamp{} && now - stepped_ > kStopped ? now : resumed_;
+  stepped_ = now;
   pan_tilt_.step(now);
   rangefinder_.step(now);
   take_samples();
@@ -144,6 +149,9 @@ void SensorHead::take_samples() noexcept {
     const std::size_t count = rangefinder_.take(ranges_);
     for (std::size_t i = 0; i < count; ++i) {
       assembler_->add(timed(ranges_[i]));
+      if (is_sweeping_) {
+        readings_watch_.add(ranges_[i]);
+      }
     }
     readings_ += count;
     if (count < ranges_.size()) {
@@ -159,9 +167,14 @@ void SensorHead::act(SchedulerAction action, hal::Stamp now) noexcept {
     case SchedulerAction::PassBegun:
       return begin_pass();
     case SchedulerAction::LineBegun:
+      is_sweeping_ = true;
+      readings_watch_.begin_line();
       return begin_line();
     case SchedulerAction::LineEnded:
       move_ = pan_tilt_.axis(hal::Axis::Pan).move;
+      is_sweeping_ = false;
+      failure_.on_readings(readings_watch_);
+      stuck_in_scan_ = stuck_in_scan_ || failure_.is_stuck();
       return assembler_->end_line(path_of(move_), now);
     case SchedulerAction::PassEnded:
       return end_pass(now);
@@ -174,6 +187,7 @@ void SensorHead::begin_pass() noexcept {
   if (in_scan()) {
     scan_ = {};
     lines_loose_ = 0;
+    stuck_in_scan_ = false;
     scan_.scan = scans_++;
     scan_attitude_ = attitude_;
     motion_.begin_scan();
@@ -200,6 +214,11 @@ void SensorHead::end_pass(hal::Stamp now) noexcept {
   scan_attitude_.reset();
   failure_.on_pass();
   if (!in_scan()) {
+    return;
+  }
+  if (stuck_in_scan_) {
+    last_abort_ = ScanAbort::LinesRejected;
+    push(ScanAborted{scan_.scan, ScanAbort::LinesRejected});
     return;
   }
   doubt_ = judge_timing();
@@ -230,10 +249,13 @@ std::optional<ScanDoubt> SensorHead::judge_timing() noexcept {
 
 void SensorHead::abort_pass() noexcept {
   scan_attitude_.reset();
+  is_sweeping_ = false;
   assembler_->abandon();
   last_abort_ = scheduler_.abort_reason();
-  failure_.on_abort({*last_abort_, scheduler_.move(hal::Axis::Pan), scheduler_.move(hal::Axis::Tilt),
-                     scheduler_.lines_rejected(), scheduler_.plan().lines});
+  if (resumed_ == hal::Stamp{} || stepped_ - resumed_ > kResumed) {  // else nobody listened to the devices
+    failure_.on_abort({*last_abort_, scheduler_.move(hal::Axis::Pan), scheduler_.move(hal::Axis::Tilt),
+                       scheduler_.lines_rejected(), scheduler_.plan().lines, pan_tilt_.line_trouble()});
+  }
   if (last_abort_ == ScanAbort::TimingInDoubt) {
     doubt_ = ScanDoubt::Device;
   }

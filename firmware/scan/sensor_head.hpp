@@ -151,6 +151,11 @@ class SensorHead {
   std::uint32_t scans_ = 0;
   std::optional<ScanAbort> last_abort_;
   ScanFailure failure_;
+  ReadingsWatch readings_watch_;
+  bool is_sweeping_ = false;    // between the beginning and the end of a line
+  bool stuck_in_scan_ = false;  // a line of the scan under way told nothing
+  hal::Stamp stepped_{};
+  hal::Stamp resumed_{};  // when steps went on after nobody had made any for a while
   double pan_sigma_max_rad_;
   double loose_max_share_;
   std::uint32_t lines_loose_ = 0;  // of the scan under way

@@ -60,7 +60,7 @@ using ProblemText = hal::FixedText<hal::kProblemMax>;
 
 struct DeviceStatus {
   hal::DeviceState state = hal::DeviceState::Absent;
-  ProblemText problem;           ///< of the driver, its link or its timing; empty when it works
+  ProblemText problem;           ///< of the driver, its link or its timing, or its remark; empty for none
   hal::FixedText<80> model;      ///< as the device said; empty before it did
   std::uint32_t recoveries = 0;  ///< times it got Ready again after it had been
   hal::Stamp last_recovery{};    ///< how long the last of them took, from the loss
@@ -89,6 +89,8 @@ struct HeadStatus {
   double readings_hz = 0.0;  ///< over the last second
   std::uint64_t readings = 0;
   CounterTable counters;          ///< of scheduler, assembler, thread (drops, slips, misses)
+  std::uint32_t stops = 0;        ///< times the thread did not run for a second or more since start
+  hal::Stamp last_stop{};         ///< how long the last of them was
   hal::Stamp wake_latency_max{};  ///< worst lateness of the thread's wake-up since start
 };
 

@@ -29,8 +29,11 @@ class DeviceWatch {
   /// Fills in what is known of `device`, whose state was the last one given.
   void report(const hal::Device& device, DeviceStatus& status) const noexcept {
     status.state = device.state();
-    const std::string_view problem = device.problem();
-    status.problem = ProblemText(problem.empty() ? device.timing_doubt() : problem);
+    std::string_view problem = device.problem();
+    for (const std::string_view more : {device.timing_doubt(), device.remark()}) {
+      problem = problem.empty() ? more : problem;
+    }
+    status.problem = ProblemText(problem);
     status.recoveries = recoveries_;
     status.last_recovery = last_recovery_;
     status.counters.size = 0;

@@ -101,6 +101,14 @@ std::string fix_phrase(const core::Fix& fix) {
          why_none(fix);
 }
 
+std::string fix_phrase(const SensorStatus& status) {
+  const core::Fix& fix = status.report.fix;
+  const bool is_of_head =
+      fix.status != core::FixStatus::Fix &&
+      (fix.reason == core::FixReason::Device || fix.reason == core::FixReason::TooFewLandmarks);
+  return with_problem(fix_phrase(fix), is_of_head ? status.head.problem.view() : std::string_view());
+}
+
 std::string status_line(const SensorStatus& status) {
   std::string text = std::string(to_string(status.state)) + fix_clause(status) + ", " + map_phrase(status);
   for (const NamedDevice& device : devices_of(status)) {
@@ -114,6 +122,13 @@ std::string status_line(const SensorStatus& status) {
 
 std::vector<LogEntry> StatusLogger::compare(const SensorStatus& status) {
   std::vector<LogEntry> entries;
+  if (status.head.stops != stops_) {
+    stops_ = status.head.stops;
+    entries.push_back({LogLevel::Warning,
+                       "this process was stopped for " + seconds(status.head.last_stop) +
+                           " (a gap in its own clock: a stop signal, a debugger, a suspended machine, no "
+                           "processor time); nobody listened to the devices meanwhile"});
+  }
   const std::vector<NamedDevice> devices = devices_of(status);
   for (std::size_t i = 0; i < std::min(devices.size(), devices_.size()); ++i) {
     compare_device(devices_[i], devices[i], entries);
@@ -177,7 +192,7 @@ void StatusLogger::compare_fix(const SensorStatus& status, std::vector<LogEntry>
     entries.push_back({LogLevel::Notice, text});
     had_fix_ = true;
   } else if (is_without_fix(status.state) && is_new_reason) {
-    entries.push_back({LogLevel::Warning, fix_phrase(fix)});
+    entries.push_back({LogLevel::Warning, fix_phrase(status)});
   }
   if (fix.jumps > jumps_) {
     entries.push_back({LogLevel::Warning,

@@ -95,6 +95,9 @@ struct PoseSigma {
          std::to_string(slam.local_landmarks) + " landmarks";
 }
 
+/// As below, with what stands in the way of the head where the reason is the head or its readings.
+[[nodiscard]] std::string fix_phrase(const SensorStatus& status);
+
 /// "fix x=12.34 m y=-5.60 m heading=87.1 deg, 23 of 30 landmarks", or why there is none.
 [[nodiscard]] std::string fix_phrase(const core::Fix& fix);
 
@@ -127,6 +130,7 @@ class StatusLogger {
 
   std::array<Device, 3> devices_;
   std::string head_problem_;
+  std::uint32_t stops_ = 0;
   hal::Stamp failure_due_{};  // when a head that goes on failing is reported again
   bool is_failing_ = false;
   SensorState state_ = SensorState::Starting;

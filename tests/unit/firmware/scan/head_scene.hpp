@@ -21,9 +21,9 @@ inline hal::RangeSample posts(double pan_rad, double tilt_rad, hal::Stamp) {
   return tilt_rad > 0.0 ? hal::RangeSample{} : hal::RangeSample{{}, 90.0, 0.0, hal::Echo::Return};
 }
 
-/// The same in every direction.
-inline hal::RangeSample plain(double, double, hal::Stamp) {
-  return {{}, 50.0, 0.0, hal::Echo::Return};
+/// The same in every direction, but for the grain that a real surface has.
+inline hal::RangeSample plain(double, double, hal::Stamp at) {
+  return {{}, 50.0 + 1e-6 * static_cast<double>(at.count() / 1'000'000 % 7), 0.0, hal::Echo::Return};
 }
 
 /// A short scan: +-60 deg, three lines, two lines of calibration.
