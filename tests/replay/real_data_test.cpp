@@ -5,6 +5,7 @@
 #include "firmware/config/load_config.hpp"
 #include "tests/support/forest.hpp"
 #include "tests/support/in_arena.hpp"
+#include "tests/support/results.hpp"
 #include "tests/support/source_tree.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/input/text_files.hpp"
@@ -53,6 +54,12 @@ class RealData : public testing::Test {
     const auto evaluation = evaluate(*truth, trajectory_of(result->rows));
     EXPECT_TRUE(evaluation);
     std::printf("%s\n%s\n", set.c_str(), evaluation_text(*evaluation).c_str());
+    if (evaluation->first_fix) {
+      tests::keep_results(set, {{"scans", static_cast<double>(result->rows.size())},
+                                {"fixes", static_cast<double>(evaluation->fixes)},
+                                {"wrong", static_cast<double>(evaluation->first_fix->wrong_fixes)},
+                                {"rms_m", evaluation->first_fix->ate_rms_m}});
+    }
     return *evaluation;
   }
   void SetUp() override {
@@ -116,6 +123,8 @@ TEST_F(RealData, RiojaPlotsAllMatchTheirSurvey) {
   const core::Config config = profile("rioja_plots.toml").core;
   ASSERT_EQ(config.association.tolerance_m, 0.5);
   tests::InArena<core::Localizer> localizer(config);
+  std::size_t fixes = 0;
+  std::size_t wrong = 0;
   for (const auto& [plot, map_W] : maps) {
     ASSERT_TRUE(localizer->set_map(map_W));
     const core::Fix fix = localizer->locate(tests::as_landmarks(scans.at(plot)), {}, {});
@@ -126,7 +135,13 @@ TEST_F(RealData, RiojaPlotsAllMatchTheirSurvey) {
     EXPECT_GE(fix.matches, 25U) << "plot " << plot;  // gated by their spread, not by the tolerance
     EXPECT_GE(rotation_deg, -11.0) << "plot " << plot;
     EXPECT_LE(rotation_deg, -7.0) << "plot " << plot;
+    const bool is_fix = fix.status == core::FixStatus::Fix;
+    fixes += is_fix ? 1 : 0;
+    wrong += is_fix && (rotation_deg < -11.0 || rotation_deg > -7.0) ? 1 : 0;
   }
+  tests::keep_results("rioja_plots", {{"scans", static_cast<double>(maps.size())},
+                                      {"fixes", static_cast<double>(fixes)},
+                                      {"wrong", static_cast<double>(wrong)}});
 }
 
 // Every plot against every other plot's survey. Neighbouring plots, 20 m apart, share trees and are rightly

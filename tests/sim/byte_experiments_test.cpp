@@ -5,6 +5,7 @@
 
 #include "firmware/config/load_config.hpp"
 #include "firmware/pipeline.hpp"
+#include "tests/support/results.hpp"
 #include "tests/support/source_tree.hpp"
 #include "tools/drive/byte_drive.hpp"
 #include "tools/eval/evaluation.hpp"
@@ -109,6 +110,11 @@ TEST_P(ByteExperiments, FixAsReadingsFromTheWorldDo) {
       experiment, ours.fixes, scan_count(), ours.first_fix->wrong_fixes, ours.first_fix->ate_rms_m,
       theirs.fixes, theirs.first_fix->wrong_fixes, theirs.first_fix->ate_rms_m, worst.rms_rad * kMilliDegrees,
       worst.worst_rad * kMilliDegrees);
+  tests::keep_results("bytes-experiment-" + std::to_string(experiment),
+                      {{"scans", static_cast<double>(scan_count())},
+                       {"fixes", static_cast<double>(ours.fixes)},
+                       {"wrong", static_cast<double>(ours.first_fix->wrong_fixes)},
+                       {"pan_rms_mdeg", worst.rms_rad * kMilliDegrees}});
   EXPECT_EQ(ours.first_fix->wrong_fixes, 0U) << "seed " << seed;
   EXPECT_GE(ours.fixes + 1, theirs.fixes) << "seed " << seed;
   EXPECT_LT(worst.rms_rad * kMilliDegrees, 15.0) << "seed " << seed;
@@ -163,6 +169,11 @@ TEST_P(Latency, IsFoundByTheSensorItself) {
       rangefinder_s * 1e3, position_s * 1e3, jitter_s * 1e3, errors[0].rms_rad * kMilliDegrees,
       errors[0].worst_rad * kMilliDegrees, errors[1].rms_rad * kMilliDegrees,
       errors[1].worst_rad * kMilliDegrees);
+  tests::keep_results("latency-" + std::to_string(static_cast<int>(rangefinder_s * 1e3)) + "-" +
+                          std::to_string(static_cast<int>(position_s * 1e3)) + "-" +
+                          std::to_string(static_cast<int>(jitter_s * 1e3)),
+                      {{"before_rms_mdeg", errors[0].rms_rad * kMilliDegrees},
+                       {"after_rms_mdeg", errors[1].rms_rad * kMilliDegrees}});
   // A reading's own jitter of 1 ms is 51 mdeg of pan that no calibration can know.
   EXPECT_LT(errors[1].rms_rad * kMilliDegrees, jitter_s > 0.0 ? 30.0 : 15.0);
 }

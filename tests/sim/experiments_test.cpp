@@ -3,6 +3,7 @@
 
 #include "firmware/config/load_config.hpp"
 #include "firmware/pipeline.hpp"
+#include "tests/support/results.hpp"
 #include "tests/support/source_tree.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/world/drive.hpp"
@@ -153,8 +154,15 @@ TEST_P(Experiments, FixWithoutAWrongOne) {
     EXPECT_EQ(one.wrong, 0U) << "seed " << seed;
     all.scans += one.scans;
     all.fixes += one.fixes;
+    all.wrong += one.wrong;
     all.nees.insert(all.nees.end(), one.nees.begin(), one.nees.end());
   }
+  tests::keep_results(
+      std::filesystem::path(world_name).stem().string() + "-experiment-" + std::to_string(experiment),
+      {{"scans", static_cast<double>(all.scans)},
+       {"fixes", static_cast<double>(all.fixes)},
+       {"wrong", static_cast<double>(all.wrong)},
+       {"seeds", static_cast<double>(seed_count())}});
   EXPECT_GE(static_cast<double>(all.fixes), fixes_share_min * static_cast<double>(all.scans));
   // Honest covariances: the median of chi-squared with 3 degrees of freedom is 2.4, its 90 % quantile 6.3.
   EXPECT_LE(median(all.nees), 6.3);
