@@ -279,19 +279,32 @@ class MapFiles(unittest.TestCase):
         with open(folder / "scan.csv", encoding="ascii") as file:
             for row in csv.DictReader(file):
                 scans[int(row["plot"])].append((row["x_m"], row["y_m"], row["diameter_m"]))
+        with open(folder / "map.csv", encoding="ascii") as file:
+            surveyed = [(int(row["plot"]), float(row["x_m"]), float(row["y_m"])) for row in csv.DictReader(file)]
         fixes = 0
         for plot, trees in sorted(scans.items()):
             survey = self.folder / f"plot{plot}.slammap"
             self.done("map", "import", folder / "map.csv", "--where", f"plot={plot}", "--out", survey)
             scan = self.write("scan.csv", "scan,x_m,y_m,diameter_m\n" + "".join(f"{plot},{x},{y},{d}\n" for x, y, d in trees))
             pose = self.located(survey, scan, "--config", CONFIG / "rioja_plots.toml")[0]
-            heading_deg = math.degrees(float(pose["heading_rad"])) if pose["heading_rad"] else math.nan
-            offset_m = math.hypot(float(pose["x_m"] or "nan"), float(pose["y_m"] or "nan"))
-            print(f"rioja plot {plot:2}: {pose['status']}, {pose['matches']} of {len(trees)} trees, {offset_m:.2f} m, "
-                  f"{heading_deg:.2f} deg from the survey's frame")
-            if pose["status"] == "fix":
-                fixes += 1
-                self.assertTrue(-11.0 < heading_deg < -7.0 and offset_m < 2.5, pose)
+            if pose["status"] != "fix":
+                print(f"rioja plot {plot:2}: {pose['status']}, {pose['matches']} of {len(trees)} trees")
+                continue
+            fixes += 1
+            x, y, heading = (float(pose[name]) for name in ("x_m", "y_m", "heading_rad"))
+            # How far the trees of the scan, carried by the pose, stand from those of the survey.
+            apart = []
+            for tx, ty, _ in trees:
+                px = x + float(tx) * math.cos(heading) - float(ty) * math.sin(heading)
+                py = y + float(tx) * math.sin(heading) + float(ty) * math.cos(heading)
+                apart.append(min(math.hypot(sx - px, sy - py) for number, sx, sy in surveyed if number == plot))
+            paired = [d for d in apart if d < 0.6]
+            rms_m = math.sqrt(sum(d * d for d in paired) / len(paired))
+            print(f"rioja plot {plot:2}: fix, {pose['matches']} of {len(trees)} trees, {rms_m:.3f} m from the survey's (RMS), a pose from them "
+                  f"is good to {rms_m / math.sqrt(len(paired)):.3f} m; the scan's frame lies {math.hypot(x, y):.2f} m and "
+                  f"{math.degrees(heading):.2f} deg from the survey's")
+            self.assertLess(rms_m, 0.35, pose)
+            self.assertTrue(-11.0 < math.degrees(heading) < -7.0 and math.hypot(x, y) < 2.6, pose)
         self.assertEqual(fixes, 16)
 
     def test_the_parks_of_a_city_imported_locate_made_scans(self):
