@@ -1,5 +1,6 @@
 #include "firmware/status/sensor_status.hpp"
 #include "tools/commands/command.hpp"
+#include "tools/report/figure_command.hpp"
 #include "tools/report/report_command.hpp"
 
 #include <CLI/CLI.hpp>
@@ -21,6 +22,7 @@ int run(int argc, char** argv) {
   add_locate(app, result);
   add_eval(app, result);
   add_report(app, result);
+  add_figure(app, result);
   add_simulate(app, result);
   add_demo(app, result);
   add_emulate(app, result);

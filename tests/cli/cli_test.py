@@ -131,6 +131,37 @@ class Cli(unittest.TestCase):
         self.assertEqual(edges, sorted(edges))
         self.assertIn("</svg>", (self.folder / "e.svg").read_text())
 
+    def test_figures_of_scans_are_drawn(self):
+        for number in (1, 2):
+            rows = ["pan_deg,tilt_deg,range_m"]
+            for tilt in (0.0, 0.5, 1.0, 1.5):
+                for step in range(-1100, 1101):
+                    seen = [r for a, r in ((-80, 9), (-33, 14), (5, 6), (41, 21), (66, 11), (90, 17)) if abs(0.1 * step - a - number) < 12.0 / r]
+                    rows.append(f"{0.1 * step:.1f},{tilt},{min(seen) if seen else ''}")
+            self.write(f"scan_{number}.csv", "\n".join(rows) + "\n")
+        for figure, more in (("spiderweb", ("--scan", 2)), ("scanline", ("--scan", 1, "--line", 2)), ("scanline", ()),
+                             ("correspondences", ("--scans", 2, 1, "--landmarks", 6))):
+            out = self.folder / f"{figure}.svg"
+            code, output, errors = run("figure", figure, *more, "--out", out, self.folder / "scan_1.csv", self.folder / "scan_2.csv")
+            self.assertEqual(code, OK, errors)
+            self.assertEqual(output, f"{out}\n")
+            xml.dom.minidom.parse(str(out))
+        self.assertIn("6 by 6 landmarks", (self.folder / "correspondences.svg").read_text())
+        if shutil.which("rsvg-convert"):
+            for command in (("figure", "spiderweb", self.folder / "scan_1.csv"), ("edges", "--points", 50, "--depth", 2, "--sets", 1)):
+                code, _, errors = run(*command, "--out", self.folder / "f.png")
+                self.assertEqual(code, OK, errors)
+                self.assertTrue((self.folder / "f.png").read_bytes().startswith(b"\x89PNG"))
+                self.assertTrue((self.folder / "f.svg").is_file())
+        for more in (("--scan", 3), ("--line", 4)):
+            code, _, errors = run("figure", "scanline", *more, "--out", self.folder / "x.svg", self.folder / "scan_1.csv")
+            self.assertEqual(code, DATAERR, errors)
+        self.assertEqual(run("figure", "correspondences", "--out", self.folder / "x.svg", self.folder / "scan_1.csv")[0], DATAERR)
+        landmarks = self.write("landmarks.csv", "scan,x_m,y_m\n1,1,2\n1,3,4\n")
+        code, _, errors = run("figure", "spiderweb", "--out", self.folder / "x.svg", landmarks)
+        self.assertEqual((code, "holds landmarks" in errors), (DATAERR, True), errors)
+        self.assertEqual(run("figure")[0], USAGE)
+
     def simulate(self):
         scans = self.folder / "scans"
         code, _, errors = run("simulate", CONFIG / "worlds/bush.toml", "--out", scans, "--scans", 4, "--experiment", 3)
@@ -187,11 +218,11 @@ class Cli(unittest.TestCase):
         self.assertEqual(run("replay", "--out", self.out, scans)[0], OK)
         code, output, errors = run("report", self.out)
         self.assertEqual(code, OK, errors)
-        self.assertEqual([pathlib.Path(line).name for line in output.split()], ["matches.svg", "time.svg"])
+        self.assertEqual([pathlib.Path(line).name for line in output.split()], ["map.svg", "matches.svg", "time.svg"])
         code, output, errors = run("report", self.out, "--truth", true, "--out", self.folder / "report")
         self.assertEqual(code, OK, errors)
         names = [pathlib.Path(line).name for line in output.split()]
-        self.assertEqual(names, ["matches.svg", "time.svg", "error.svg", "sigma.svg", "xi.svg"])
+        self.assertEqual(names, ["map.svg", "matches.svg", "time.svg", "error.svg", "sigma.svg", "xi.svg"])
         for name in names:
             text = (self.folder / "report" / name).read_text()
             self.assertTrue(text.startswith("<"), name)

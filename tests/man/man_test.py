@@ -46,7 +46,7 @@ class Manual(unittest.TestCase):
         page = rendered("slamsensor.1")
         verbs = re.findall(r"^  ([a-z-]+)  ", output_of(PROGRAM, "--help").split("Subcommands:")[1], re.MULTILINE)
         self.assertGreater(len(verbs), 10)
-        for verb in verbs + ["map export", "map import"]:
+        for verb in verbs + ["map export", "map import", "figure spiderweb", "figure scanline", "figure correspondences"]:
             self.assertRegex(page, rf"\b{verb}\b", verb)
             for option in re.findall(r"^  (?:-\w,)?(--[a-z-]+)", output_of(PROGRAM, *verb.split(), "--help"), re.MULTILINE):
                 self.assertRegex(page, rf"{option}\b", f"{verb} {option}")

@@ -3,8 +3,10 @@
 #include "core/memory/arena.hpp"
 #include "firmware/arena_block.hpp"
 #include "tools/commands/command.hpp"
+#include "tools/commands/options.hpp"
 #include "tools/output/text_output.hpp"
 #include "tools/plot/curve_plot.hpp"
+#include "tools/plot/picture_file.hpp"
 #include "tools/world/random.hpp"
 
 #include <CLI/CLI.hpp>
@@ -80,7 +82,7 @@ CommandResult run(const Options& options) {
   if (options.out.empty()) {
     return EX_OK;
   }
-  const auto written = write_file(options.out, draw_curve(plot));
+  const auto written = write_picture(options.out, draw_curve(plot));
   return written ? CommandResult(EX_OK)
                  : tl::unexpected(CommandError{written.error().message + '\n', EX_CANTCREAT});
 }
@@ -101,7 +103,8 @@ void add_edges(CLI::App& app, CommandResult& result) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   verb->add_option("--seed", options->seed, "of the first set")->capture_default_str();
-  verb->add_option("--out", options->out, "draw the curve to this SVG file")->type_name("F.svg");
+  verb->add_option("--out", options->out, "draw the curve to this file, SVG or PNG")
+      ->type_name("F.svg|F.png");
   verb->callback([options, &result] { result = run(*options); });
 }
 

@@ -3,17 +3,18 @@
 #include "tools/input/text.hpp"
 #include "tools/input/text_files.hpp"
 #include "tools/output/text_output.hpp"
+#include "tools/output/write_file.hpp"
+#include "tools/plot/picture_file.hpp"
 #include "tools/report/report_plots.hpp"
 
 #include <CLI/CLI.hpp>
 
-#include <cerrno>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <sys/wait.h>
-#include <unistd.h>
+#include <utility>
+#include <vector>
 
 namespace slamsensor::tools {
 namespace {
@@ -27,27 +28,6 @@ struct Options {
 
 tl::unexpected<CommandError> fail(std::string message, int exit_status) {
   return tl::unexpected(CommandError{std::move(message) + '\n', exit_status});
-}
-
-/// By Debian's librsvg2-bin, twice as large as the SVG says.
-tl::expected<void, CommandError> draw_png(const std::filesystem::path& svg,
-                                          const std::filesystem::path& png) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    ::execlp("rsvg-convert", "rsvg-convert", "--zoom", "2", "--background-color", "white", "-o", png.c_str(),
-             svg.c_str(), static_cast<char*>(nullptr));
-    ::_exit(errno == ENOENT ? 127 : 126);
-  }
-  int status = 0;
-  const bool has_ended = child > 0 && ::waitpid(child, &status, 0) == child && WIFEXITED(status);
-  if (has_ended && WEXITSTATUS(status) == 0) {
-    return {};
-  }
-  return fail(png.string() + ": rsvg-convert " +
-                  (has_ended && WEXITSTATUS(status) == 127
-                       ? "is not installed; apt install librsvg2-bin, or leave --png out"
-                       : "could not draw it from " + svg.string()),
-              EX_CANTCREAT);
 }
 
 /// Of the fixes against the truth, aligned by the first; none without a truth.
@@ -88,17 +68,22 @@ CommandResult run(const Options& options) {
   const std::filesystem::path out = options.out.empty() ? options.run / "report" : options.out;
   std::error_code ignored;  // what is wrong shows in the next step
   std::filesystem::create_directories(out, ignored);
+  std::vector<std::pair<std::string, std::string>> pictures;
+  if (const auto picture = read_file(options.run / "plot.svg")) {
+    pictures.emplace_back("map", *picture);  // trajectory and map, as the replay drew them
+  }
   for (const ReportPlot& plot : report_plots(*rows, *errors)) {
-    const std::filesystem::path svg = out / (plot.name + ".svg");
-    if (const auto written = write_file(svg, draw_curve(plot.plot)); !written) {
+    pictures.emplace_back(plot.name, draw_curve(plot.plot));
+  }
+  for (const auto& [name, picture] : pictures) {
+    const std::filesystem::path svg = out / (name + ".svg");
+    const std::filesystem::path png = out / (name + ".png");
+    const auto written = write_picture(options.png ? png : svg, picture);
+    if (!written) {
       return fail(written.error().message, EX_CANTCREAT);
     }
     std::printf("%s\n", svg.c_str());
     if (options.png) {
-      const std::filesystem::path png = out / (plot.name + ".png");
-      if (auto drawn = draw_png(svg, png); !drawn) {
-        return tl::unexpected(drawn.error());
-      }
       std::printf("%s\n", png.c_str());
     }
   }
@@ -109,8 +94,8 @@ CommandResult run(const Options& options) {
 
 void add_report(CLI::App& app, CommandResult& result) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      app.add_subcommand("report", "plots of a replay: errors, sigma, xi, matches, time per scan");
+  CLI::App* verb = app.add_subcommand(
+      "report", "plots of a replay: map and trajectory, errors, sigma, xi, matches, time per scan");
   verb->add_option("RUN", options->run, "the --out folder of a replay")->required()->type_name("DIR");
   verb->add_option("--truth", options->truth, "true poses: plots of the errors too")->type_name("T.tum");
   verb->add_option("--out", options->out, "folder for the plots; else RUN/report")->type_name("DIR");
