@@ -136,13 +136,29 @@ void SensorStory::on_counters(const firmware::CountersMessage& message) {
   }
 }
 
+void SensorStory::continue_versions(std::uint64_t version) {
+  map_version_ += version + 1;
+  for (auto& [number, chunk] : map_) {
+    chunk.version = map_version_;
+  }
+}
+
+void SensorStory::set_chunk(std::int32_t number, std::vector<StoryLandmark> landmarks) {
+  const auto [place, is_new] = map_.try_emplace(number);
+  if (is_new || place->second.landmarks != landmarks) {
+    place->second = {std::move(landmarks), map_version_ + 1};
+    is_map_changed_ = true;
+  }
+}
+
 void SensorStory::on_map(const firmware::MapMessage& message) {
-  map_.erase(map_.lower_bound(message.chunks), map_.end());
+  const auto gone = map_.lower_bound(message.chunks);
+  is_map_changed_ = is_map_changed_ || gone != map_.end();
+  map_.erase(gone, map_.end());
   if (message.chunk >= kMapChunksMax) {
     return;
   }
-  std::vector<StoryLandmark>& landmarks = map_[message.chunk];
-  landmarks.clear();
+  std::vector<StoryLandmark> landmarks;
   for (std::size_t i = 0; i < static_cast<std::size_t>(message.count); ++i) {
     if (std::isfinite(message.x_m[i]) && std::isfinite(message.y_m[i])) {
       landmarks.push_back({{message.x_m[i], message.y_m[i]},
@@ -152,24 +168,29 @@ void SensorStory::on_map(const firmware::MapMessage& message) {
                            message.last_scan[i]});
     }
   }
-  if (message.chunk + 1 == std::min(message.chunks, kMapChunksMax)) {
+  set_chunk(message.chunk, std::move(landmarks));
+  if (message.chunk + 1 == std::min(message.chunks, kMapChunksMax) && is_map_changed_) {
     ++map_version_;  // readers get a map, not its parts
+    is_map_changed_ = false;
   }
 }
 
 void SensorStory::on_map_file(const firmware::MapFile& map) {
   map_.clear();
-  for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
-    const core::MapLandmark& landmark = map.landmarks[i];
-    const auto chunk = static_cast<std::int32_t>(i / firmware::kMapChunkLandmarks);
-    if (chunk >= kMapChunksMax) {
-      break;
-    }
-    map_[chunk].push_back({map.positions_W[i], landmark.id, static_cast<std::int32_t>(landmark.xi),
+  constexpr std::size_t kEach = firmware::kMapChunkLandmarks;
+  constexpr std::size_t kMost = kEach * static_cast<std::size_t>(kMapChunksMax);
+  for (std::size_t first = 0; first < std::min(map.landmarks.size(), kMost); first += kEach) {
+    std::vector<StoryLandmark> landmarks;
+    for (std::size_t i = first; i < std::min(map.landmarks.size(), first + kEach); ++i) {
+      const core::MapLandmark& landmark = map.landmarks[i];
+      landmarks.push_back({map.positions_W[i], landmark.id, static_cast<std::int32_t>(landmark.xi),
                            static_cast<std::int32_t>(landmark.sightings),
                            static_cast<std::int32_t>(landmark.last_scan)});
+    }
+    set_chunk(static_cast<std::int32_t>(first / kEach), std::move(landmarks));
   }
   ++map_version_;
+  is_map_changed_ = false;
   if (!datum_) {
     datum_ = map.about.datum;
   }

@@ -56,6 +56,14 @@ struct StoryLandmark {
   std::int32_t xi = 0;
   std::int32_t sightings = 0;
   std::int32_t last_scan = 0;
+
+  [[nodiscard]] bool operator==(const StoryLandmark&) const = default;
+};
+
+/// A share of the home map. `version` is the first version of the map that has it like this.
+struct StoryChunk {
+  std::vector<StoryLandmark> landmarks;
+  std::uint64_t version = 0;
 };
 
 /// A fix on the path; the line from the one before is drawn only when no scan between them was without.
@@ -91,7 +99,7 @@ class SensorStory {
   void set_datum(std::optional<firmware::Datum> datum) { datum_ = datum; }
 
   /// Counts map versions on from `version`, so that readers of an earlier story see that this is another.
-  void continue_versions(std::uint64_t version) { map_version_ += version + 1; }
+  void continue_versions(std::uint64_t version);
 
   [[nodiscard]] const std::optional<firmware::PoseMessage>& pose() const { return pose_; }
   [[nodiscard]] std::int64_t pose_utime_us() const { return pose_utime_us_; }
@@ -110,8 +118,8 @@ class SensorStory {
   /// The fixes in the home map.
   [[nodiscard]] const StoryList<StoryFix>& path_W() const { return path_W_; }
   [[nodiscard]] const StoryList<StoryEvent>& events() const { return events_; }
-  /// The home map: its chunks by number; `map_version` changes with it.
-  [[nodiscard]] const std::map<std::int32_t, std::vector<StoryLandmark>>& map() const { return map_; }
+  /// The home map: its chunks by number; `map_version` grows with it.
+  [[nodiscard]] const std::map<std::int32_t, StoryChunk>& map() const { return map_; }
   [[nodiscard]] std::uint64_t map_version() const { return map_version_; }
   /// Local maps that are not tied yet, by their number.
   [[nodiscard]] const std::map<std::int64_t, StoryLocalMap>& local_maps() const { return local_maps_; }
@@ -122,6 +130,7 @@ class SensorStory {
   void on_status(const firmware::StatusMessage& status, std::int64_t utime_us);
   void on_counters(const firmware::CountersMessage& message);
   void on_map(const firmware::MapMessage& message);
+  void set_chunk(std::int32_t number, std::vector<StoryLandmark> landmarks);
   void on_scan(const firmware::ScanMessage& message);
   void extend_local_map();
   void forget_tied_maps();
@@ -145,8 +154,9 @@ class SensorStory {
   StoryList<StoryFix> path_W_;
   std::int64_t path_scan_ = -1;
   StoryList<StoryEvent> events_;
-  std::map<std::int32_t, std::vector<StoryLandmark>> map_;
+  std::map<std::int32_t, StoryChunk> map_;
   std::uint64_t map_version_ = 0;
+  bool is_map_changed_ = false;  // since map_version_
   std::map<std::int64_t, StoryLocalMap> local_maps_;
 };
 

@@ -52,13 +52,12 @@ double age_s(const firmware::PoseMessage& pose, std::int64_t came_us, std::int64
   return before_ns / kSecond_ns + static_cast<double>(now_us - came_us) / kSecond_us;
 }
 
-Json pose_json(const firmware::PoseMessage& pose, double age) {
+Json pose_json(const firmware::PoseMessage& pose) {
   const core::Fix fix = firmware::fix_of(pose);
   Json out = {{"status", core::to_string(fix.status)},
               {"reason", core::to_string(fix.reason)},
               {"words", firmware::fix_phrase(fix)},
               {"has_pose", core::has_pose(fix)},
-              {"age_s", number(age)},
               {"scan", pose.scan},
               {"map", pose.map},
               {"home", pose.home},
@@ -154,26 +153,44 @@ Json counters_json(const SensorStory& story) {
 }
 
 /// An array per property: a third of the bytes of an object per landmark.
-Json map_json(const SensorStory& story) {
-  Json x = Json::array();
-  Json y = Json::array();
-  Json id = Json::array();
-  Json xi = Json::array();
-  Json sightings = Json::array();
-  for (const auto& [number_of_chunk, landmarks] : story.map()) {
-    for (const StoryLandmark& landmark : landmarks) {
-      x.push_back(metres(landmark.position_W.x()));
-      y.push_back(metres(landmark.position_W.y()));
-      id.push_back(landmark.id);
-      xi.push_back(landmark.xi);
-      sightings.push_back(landmark.sightings);
+Json chunk_json(const StoryChunk& chunk) {
+  Json out;
+  for (const char* const property : {"x", "y", "id", "xi", "sightings"}) {
+    out[property] = Json::array();
+  }
+  for (const StoryLandmark& landmark : chunk.landmarks) {
+    out["x"].push_back(metres(landmark.position_W.x()));
+    out["y"].push_back(metres(landmark.position_W.y()));
+    out["id"].push_back(landmark.id);
+    out["xi"].push_back(landmark.xi);
+    out["sightings"].push_back(landmark.sightings);
+  }
+  return out;
+}
+
+void add_map(const SensorStory& story, StoryCursor& cursor, Json& out) {
+  if (cursor.map_version == story.map_version()) {
+    return;
+  }
+  Json set = Json::object();
+  for (const auto& [number, chunk] : story.map()) {
+    if (!cursor.map_version || chunk.version > *cursor.map_version) {
+      set[std::to_string(number)] = chunk_json(chunk);
     }
   }
-  return {{"x", std::move(x)},
-          {"y", std::move(y)},
-          {"id", std::move(id)},
-          {"xi", std::move(xi)},
-          {"sightings", std::move(sightings)}};
+  const std::int32_t count = story.map().empty() ? 0 : story.map().rbegin()->first + 1;
+  out["map"] = {{"chunks", count}, {"set", std::move(set)}};
+  cursor.map_version = story.map_version();
+}
+
+/// Adds the member when it is another than the one told last.
+void add_changed(const char* name, Json value, StoryCursor& cursor, Json& out) {
+  std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string& told = cursor.told[name];
+  if (told != text) {
+    told = std::move(text);
+    out[name] = std::move(value);
+  }
 }
 
 Json local_maps_json(const SensorStory& story) {
@@ -229,32 +246,36 @@ Json story_json(const SensorStory& story, std::int64_t now_us, StoryCursor& curs
   if (const auto heard = story.heard_utime_us()) {
     out["heard_s"] = static_cast<double>(now_us - *heard) / kSecond_us;
   }
-  if (const auto& pose = story.pose()) {
-    out["pose"] = pose_json(*pose, age_s(*pose, story.pose_utime_us(), now_us));
+  Json pose;
+  if (const auto& last = story.pose()) {
+    pose = pose_json(*last);
     if (story.datum()) {
-      add_place(*pose, *story.datum(), out["pose"]);
+      add_place(*last, *story.datum(), pose);
+    }
+    if (last->scan_end_monotonic_ns != 0) {  // else no scan was made
+      out["age_s"] = number(age_s(*last, story.pose_utime_us(), now_us));
     }
   }
-  if (const auto& status = story.status()) {
-    out["status"] = status_json(*status);
+  Json datum;
+  if (const auto& at = story.datum()) {
+    datum = {{"latitude", at->latitude_deg},
+             {"longitude", at->longitude_deg},
+             {"height", at->height_m},
+             {"bearing", at->bearing_deg}};
   }
-  if (const auto& datum = story.datum()) {
-    out["datum"] = {{"latitude", datum->latitude_deg},
-                    {"longitude", datum->longitude_deg},
-                    {"height", datum->height_m},
-                    {"bearing", datum->bearing_deg}};
+  Json scan;
+  if (const auto number_of_scan = story.scan_number()) {
+    scan = {{"number", *number_of_scan}, {"points", points(story.scan_B())}};
   }
-  if (const auto scan = story.scan_number()) {
-    out["scan"] = {{"number", *scan}, {"points", points(story.scan_B())}};
-  }
-  out["counters"] = counters_json(story);
-  out["local_maps"] = local_maps_json(story);
+  add_changed("pose", std::move(pose), cursor, out);
+  add_changed("status", story.status() ? status_json(*story.status()) : Json(), cursor, out);
+  add_changed("datum", std::move(datum), cursor, out);
+  add_changed("scan", std::move(scan), cursor, out);
+  add_changed("counters", counters_json(story), cursor, out);
+  add_changed("local_maps", local_maps_json(story), cursor, out);
   add_path(story, cursor, out);
   add_events(story, cursor, out);
-  if (cursor.map_version != story.map_version()) {
-    out["map"] = map_json(story);
-    cursor.map_version = story.map_version();
-  }
+  add_map(story, cursor, out);
   return out;
 }
 

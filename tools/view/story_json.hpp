@@ -5,6 +5,9 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
 
 namespace slamsensor::tools {
 
@@ -13,11 +16,13 @@ struct StoryCursor {
   std::uint64_t path = 0;
   std::uint64_t path_epoch = ~std::uint64_t{0};
   std::uint64_t events = 0;
-  std::uint64_t map_version = ~std::uint64_t{0};
+  std::optional<std::uint64_t> map_version;
+  std::map<std::string, std::string> told;  ///< member of the object: its last value, as text
 };
 
-/// What the page shows at `now_us`, as one JSON object; of path and events what is new to `cursor`, which
-/// moves on, and of the map all when it has another version. Lengths m, angles rad, times s.
+/// What the page shows at `now_us`, as one JSON object: members that have changed since `cursor`, which moves
+/// on; of path and events what is new; of the map the chunks that are other ones. Lengths m, angles rad,
+/// times s.
 [[nodiscard]] nlohmann::json story_json(const SensorStory& story, std::int64_t now_us, StoryCursor& cursor);
 
 /// Of events: [{"t": s since 1970, "tone", "text"}].

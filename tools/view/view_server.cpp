@@ -179,7 +179,7 @@ class ViewServer::Pages {
     const auto time_us = static_cast<std::int64_t>(*time_s * 1e6);
     const std::lock_guard lock(recording_mutex_);
     Json json = story_json(recording_->at(time_us), time_us, cursor);
-    json["map_version"] = cursor.map_version;
+    json["map_version"] = *cursor.map_version;
     send_json(response, json);
   }
 

@@ -3,8 +3,10 @@
    the newest story, says it in words, and draws it when something has changed. Lengths m, angles rad. */
 
 const $ = (id) => document.getElementById(id);
-const story = { fixes: 0, map: { x: [], y: [], id: [], xi: [], sightings: [] }, path: [], events: [], local_maps: {} };
-const stats = { frames: 0, drawn_ms: 0, worst_ms: 0, bytes: 0, messages: 0 };
+const PROPERTIES = ["x", "y", "id", "xi", "sightings", "sigma"];
+const noLandmarks = () => Object.fromEntries(PROPERTIES.map((name) => [name, []]));
+const story = { fixes: 0, map: noLandmarks(), chunks: [], path: [], events: [], local_maps: {} };
+const stats = { frames: 0, drawn_ms: 0, worst_ms: 0, bases: 0, bytes: 0, messages: 0 };
 
 // --- Words ----------------------------------------------------------------------------------------------------------
 
@@ -68,7 +70,7 @@ function tellFix() {
   const near = pose.has_pose ? ellipse(pose.near) : null;
   const home = pose.has_pose ? ellipse(pose.cov) : null;
   fillList($("fix"), [
-    ["Age", span(pose.age_s)],
+    story.age_s !== undefined && ["Age", span(story.age_s)],
     pose.has_pose && ["x, y", `${fixed(pose.x, 3)}, ${fixed(pose.y, 3)} m`],
     pose.has_pose && ["Heading", `${fixed(((degrees(pose.heading) % 360) + 360) % 360, 2)}°`],
     pose.latitude !== undefined && ["Latitude, longitude", `${fixed(pose.latitude, 7)}, ${fixed(pose.longitude, 7)}`],
@@ -126,6 +128,7 @@ function tellMap() {
   fillList($("about-map"), [
     status && ["Name", status.map_name || "–"],
     ["Landmarks drawn", String(story.map.x.length)],
+    story.sigma_median > 0 && ["Their sigma", `${fixed(story.sigma_median, 2)} m, at most ${fixed(story.sigma_most, 2)} m`],
     status && ["Local maps not tied", `${status.local_maps}, ${status.local_landmarks} landmarks`],
     status && ["Hypotheses", String(status.hypotheses)],
     status && ["Mode", status.frozen ? "frozen" : "growing"],
@@ -197,11 +200,16 @@ function tell() {
 
 // --- The picture ----------------------------------------------------------------------------------------------------
 
-const view = { x: 0, y: 0, scale: 20, follow: false, touched: false, colours: {}, base: document.createElement("canvas"), base_key: "", dirty: true };
+/* Grid, landmarks and path are drawn apart, on a canvas that reaches MARGIN of its size beyond the window. While the map is
+   moved or zoomed that picture is shifted and stretched; it is drawn anew when it no longer covers the window, when it
+   would be stretched too much, when what it shows changes, and once the hand rests. */
+const MARGIN = 0.35, REST_MS = 120, STRETCH = 1.6;
+const view = { x: 0, y: 0, scale: 20, follow: false, touched: false, colours: {}, base: document.createElement("canvas"), base_at: null, base_key: "",
+  base_view: "", resting: 0, dirty: true };
 
 function readColours() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ["canvas", "grid", "ink", "soft", "path", "scan", "guard", "sigma", "beam", "bad", "warn", "xi0", "xi1", "xi2", "xi3", "xi4"]) {
+  for (const name of ["canvas", "grid", "ink", "soft", "path", "scan", "guard", "sigma", "spread", "beam", "bad", "warn", "xi0", "xi1", "xi2", "xi3", "xi4"]) {
     view.colours[name] = style.getPropertyValue(`--${name}`).trim();
   }
   view.base_key = "";
@@ -222,7 +230,7 @@ function landmarksShown(frame) {
   const points = (story.local_maps[frame] || { points: [] }).points;
   const xs = points.filter((_, i) => i % 2 === 0);
   const ys = points.filter((_, i) => i % 2 === 1);
-  return { x: xs, y: ys, id: null, xi: xs.map(() => 0), sightings: null };
+  return { x: xs, y: ys, id: null, xi: xs.map(() => 0), sightings: null, sigma: xs.map(() => 0) };
 }
 
 const pathShown = (frame) => (frame === "home" ? story.path : (story.local_maps[frame] || { path: [] }).path);
@@ -232,14 +240,15 @@ const poseShown = (frame) => {
   return frame === (pose.map === pose.home ? "home" : String(pose.map)) ? pose : null;
 };
 
-const toScreen = (x, y) => {
-  const map = $("map");
-  return [map.clientWidth / 2 + (x - view.x) * view.scale, map.clientHeight / 2 - (y - view.y) * view.scale];
-};
-const toMap = (px, py) => {
-  const map = $("map");
-  return [view.x + (px - map.clientWidth / 2) / view.scale, view.y - (py - map.clientHeight / 2) / view.scale];
-};
+/** Metres to pixels of a canvas of `width` by `height` pixels in whose middle the point (x, y) stands, and back. */
+const projection = (x, y, scale, width, height) => ({
+  x, y, scale, width, height,
+  px: (mx, my) => [width / 2 + (mx - x) * scale, height / 2 - (my - y) * scale],
+  m: (px, py) => [x + (px - width / 2) / scale, y - (py - height / 2) / scale],
+});
+const windowNow = () => projection(view.x, view.y, view.scale, $("map").clientWidth, $("map").clientHeight);
+const toScreen = (x, y) => windowNow().px(x, y);
+const toMap = (px, py) => windowNow().m(px, py);
 
 function fit() {
   const frame = frameShown();
@@ -255,10 +264,12 @@ function fit() {
   if (pose) take(pose.x, pose.y);
   const map = $("map");
   if (!(x1 >= x0)) [x0, x1, y0, y1] = [-10, 10, -10, 10];
+  // Between the buttons above and the legend below.
+  const [top, bottom] = [$("map-tools").offsetTop + $("map-tools").offsetHeight + 14, map.clientHeight - $("legend").offsetTop + 24];
+  const [width, height] = [map.clientWidth - 48, Math.max(80, map.clientHeight - top - bottom)];
+  view.scale = Math.min(width / Math.max(4, x1 - x0), height / Math.max(4, y1 - y0), 200);
   view.x = (x0 + x1) / 2;
-  view.y = (y0 + y1) / 2;
-  const room = 0.86;
-  view.scale = Math.min((room * map.clientWidth) / Math.max(4, x1 - x0), (room * map.clientHeight) / Math.max(4, y1 - y0), 200);
+  view.y = (y0 + y1) / 2 + (top + height / 2 - map.clientHeight / 2) / view.scale;
   view.dirty = true;
 }
 
@@ -268,10 +279,10 @@ function roundLength(metres) {
   return [1, 2, 5, 10].map((n) => n * power).find((n) => n >= metres * 0.999);
 }
 
-function drawGrid(context, width, height) {
-  const step = roundLength(70 / view.scale);
-  const [left, top] = toMap(0, 0);
-  const [right, bottom] = toMap(width, height);
+function drawGrid(context, at) {
+  const step = roundLength(70 / at.scale);
+  const [left, top] = at.m(0, 0);
+  const [right, bottom] = at.m(at.width, at.height);
   context.strokeStyle = view.colours.grid;
   context.lineWidth = 1;
   context.beginPath();
@@ -279,32 +290,54 @@ function drawGrid(context, width, height) {
   const lines = (from, to) => Array.from({ length: Math.min(400, Math.max(0, Math.floor(to / step) - Math.ceil(from / step) + 1)) },
     (_, i) => (Math.ceil(from / step) + i) * step);
   for (const x of lines(left, right)) {
-    const [px] = toScreen(x, 0);
+    const [px] = at.px(x, 0);
     context.moveTo(Math.round(px) + 0.5, 0);
-    context.lineTo(Math.round(px) + 0.5, height);
+    context.lineTo(Math.round(px) + 0.5, at.height);
   }
   for (const y of lines(bottom, top)) {
-    const [, py] = toScreen(0, y);
+    const [, py] = at.px(0, y);
     context.moveTo(0, Math.round(py) + 0.5);
-    context.lineTo(width, Math.round(py) + 0.5);
+    context.lineTo(at.width, Math.round(py) + 0.5);
   }
   context.stroke();
 }
 
-function drawLandmarks(context, landmarks, width, height) {
+/** The radius a landmark is drawn with, px. */
+function dotRadius(count, scale) {
+  const least = count < 1000 ? 3 : count < 5000 ? 2.2 : 1.6;
+  return Math.min(5, Math.max(least, scale * 0.18));
+}
+
+/** Circles of three sigma, as far as they reach beyond the dots. */
+function drawSpreads(context, landmarks, at) {
+  const radius = dotRadius(landmarks.x.length, at.scale);
+  context.strokeStyle = view.colours.spread;
+  context.lineWidth = 1;
+  context.beginPath();
+  for (let i = 0; i < landmarks.x.length; ++i) {
+    const spread = 3 * landmarks.sigma[i] * at.scale;
+    if (!(spread > radius + 1) || spread > 1e4) continue;
+    const [px, py] = at.px(landmarks.x[i], landmarks.y[i]);
+    if (px < -spread || py < -spread || px > at.width + spread || py > at.height + spread) continue;
+    context.moveTo(px + spread, py);
+    context.arc(px, py, spread, 0, 2 * Math.PI);
+  }
+  context.stroke();
+}
+
+function drawLandmarks(context, landmarks, at) {
   const highest = Math.max(1, landmarks.xi.reduce((most, xi) => Math.max(most, xi), 0));
-  const least = landmarks.x.length < 1000 ? 3 : landmarks.x.length < 5000 ? 2.2 : 1.6;
-  const radius = Math.min(5, Math.max(least, view.scale * 0.18));
+  const radius = dotRadius(landmarks.x.length, at.scale);
   const groups = [[], [], [], [], []];
   for (let i = 0; i < landmarks.x.length; ++i) groups[Math.min(4, Math.floor((4.999 * landmarks.xi[i]) / highest))].push(i);
   groups.forEach((group, colour) => {
     context.fillStyle = view.colours[`xi${colour}`];
     context.beginPath();
     for (const i of group) {
-      const [px, py] = toScreen(landmarks.x[i], landmarks.y[i]);
-      if (px < -8 || py < -8 || px > width + 8 || py > height + 8) continue;
-      if (radius < 2) {
-        context.rect(px - radius, py - radius, 2 * radius, 2 * radius);
+      const [px, py] = at.px(landmarks.x[i], landmarks.y[i]);
+      if (px < -8 || py < -8 || px > at.width + 8 || py > at.height + 8) continue;
+      if (radius < 2) { // one by one: thousands in one path take a browser many times as long
+        context.fillRect(px - radius, py - radius, 2 * radius, 2 * radius);
       } else {
         context.moveTo(px + radius, py);
         context.arc(px, py, radius, 0, 2 * Math.PI);
@@ -314,7 +347,7 @@ function drawLandmarks(context, landmarks, width, height) {
   });
 }
 
-function drawPath(context, path) {
+function drawPath(context, path, at) {
   context.strokeStyle = view.colours.path;
   context.lineWidth = 2;
   context.lineJoin = "round";
@@ -322,7 +355,7 @@ function drawPath(context, path) {
   let isNew = true;
   for (let i = 0; i < path.length; i += 2) {
     if (path[i] !== null) {
-      const [px, py] = toScreen(path[i], path[i + 1]);
+      const [px, py] = at.px(path[i], path[i + 1]);
       isNew ? context.moveTo(px, py) : context.lineTo(px, py);
     }
     isNew = path[i] === null;
@@ -330,23 +363,57 @@ function drawPath(context, path) {
   context.stroke();
 }
 
-/** Grid, landmarks and path change seldom: they are drawn apart and copied. */
-function drawBase(frame, width, height, ratio) {
+/** Whether the base that is there can be shown in the window `now` by shifting and stretching it. */
+function baseCovers(now, key) {
+  const at = view.base_at;
+  if (!at || key !== view.base_key || now.scale > STRETCH * at.scale || STRETCH * now.scale < at.scale) return false;
+  const [left, top] = at.px(...now.m(0, 0));
+  const [right, bottom] = at.px(...now.m(now.width, now.height));
+  return left >= 0 && top >= 0 && right <= at.width && bottom <= at.height;
+}
+
+function drawBase(frame, now, ratio) {
   const landmarks = landmarksShown(frame);
   const path = pathShown(frame);
-  const key = [frame, width, height, ratio, view.x, view.y, view.scale, story.map_stamp, landmarks.x.length, path.length, path[path.length - 2]].join();
-  if (key === view.base_key) return;
+  const key = [frame, now.width, now.height, ratio, story.map_stamp, landmarks.x.length, path.length, path[path.length - 2]].join();
+  const seen = [now.x, now.y, now.scale].join();
+  if (key === view.base_key && seen === view.base_view) return;
+  clearTimeout(view.resting);
+  view.resting = 0;
+  if (baseCovers(now, key) && !view.rested) {
+    view.resting = setTimeout(() => { view.rested = view.dirty = true; }, REST_MS);
+    return;
+  }
+  view.rested = false;
   view.base_key = key;
-  view.base.width = width * ratio;
-  view.base.height = height * ratio;
-  const context = view.base.getContext("2d");
+  view.base_view = seen;
+  const at = projection(now.x, now.y, now.scale, Math.round(now.width * (1 + 2 * MARGIN)), Math.round(now.height * (1 + 2 * MARGIN)));
+  view.base_at = at;
+  view.base.width = at.width * ratio;
+  view.base.height = at.height * ratio;
+  const context = view.base.getContext("2d", { alpha: false });
   context.scale(ratio, ratio);
   context.fillStyle = view.colours.canvas;
-  context.fillRect(0, 0, width, height);
-  drawGrid(context, width, height);
-  drawPath(context, path);
-  drawLandmarks(context, landmarks, width, height);
+  context.fillRect(0, 0, at.width, at.height);
+  drawGrid(context, at);
+  drawSpreads(context, landmarks, at);
+  drawPath(context, path, at);
+  drawLandmarks(context, landmarks, at);
   setText($("xi-max"), String(landmarks.xi.reduce((most, xi) => Math.max(most, xi), 0)));
+  stats.bases += 1;
+}
+
+/** Copies the base into the window, in canvas pixels. */
+function showBase(context, now, ratio) {
+  const at = view.base_at;
+  const stretch = now.scale / at.scale;
+  const [left, top] = now.px(...at.m(0, 0));
+  context.setTransform(1, 0, 0, 1, 0, 0);
+  if (stretch === 1) {
+    context.drawImage(view.base, Math.round(left * ratio), Math.round(top * ratio));
+  } else {
+    context.drawImage(view.base, left * ratio, top * ratio, view.base.width * stretch, view.base.height * stretch);
+  }
 }
 
 function drawScan(context, pose) {
@@ -354,8 +421,8 @@ function drawScan(context, pose) {
   const [c, s] = [Math.cos(pose.heading), Math.sin(pose.heading)];
   const [ox, oy] = toScreen(pose.x, pose.y);
   const points = story.scan.points;
-  const half = Math.min(7, Math.max(2.5, view.scale * 0.6));
-  for (const rays of [true, false]) {
+  const half = Math.min(7, Math.max(2, view.scale * 0.6));
+  for (const rays of view.scale < 2 ? [true] : [true, false]) { // from far away the squares would hide each other and the sensor
     context.strokeStyle = view.colours.scan;
     context.globalAlpha = rays ? 0.14 : 1;
     context.lineWidth = rays ? 1 : 1.5;
@@ -434,8 +501,9 @@ function drawPose(context, pose) {
 
 function drawScale(context, width, height) {
   const metres = roundLength(60 / view.scale);
-  const beside = width > 800 ? 0 : $("legend").offsetHeight + 4; // there the legend takes the whole width
-  const [x1, y] = [width - 16, height - 16 - beside];
+  const legend = $("legend");
+  const isInTheWay = legend.offsetLeft + legend.offsetWidth > width - 32 - metres * view.scale;
+  const [x1, y] = [width - 16, isInTheWay ? legend.offsetTop - 8 : height - 16];
   context.strokeStyle = context.fillStyle = view.colours.ink;
   context.lineWidth = 2;
   context.beginPath();
@@ -487,10 +555,10 @@ function draw() {
   const frame = frameShown();
   const pose = poseShown(frame);
   if (view.follow && pose) [view.x, view.y] = [pose.x, pose.y];
-  drawBase(frame, width, height, ratio);
-  const context = map.getContext("2d");
-  context.setTransform(1, 0, 0, 1, 0, 0);
-  context.drawImage(view.base, 0, 0);
+  const now = windowNow();
+  drawBase(frame, now, ratio);
+  const context = map.getContext("2d", { alpha: false });
+  showBase(context, now, ratio);
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   if (pose) {
     drawScan(context, pose);
@@ -552,8 +620,9 @@ function setFollow(on) {
 function tellHover(px, py) {
   const landmarks = landmarksShown(frameShown());
   let [best, distance] = [-1, 14];
+  const now = windowNow();
   for (let i = 0; i < landmarks.x.length; ++i) {
-    const [lx, ly] = toScreen(landmarks.x[i], landmarks.y[i]);
+    const [lx, ly] = now.px(landmarks.x[i], landmarks.y[i]);
     const d = Math.hypot(lx - px, ly - py);
     if (d < distance) [best, distance] = [i, d];
   }
@@ -561,7 +630,7 @@ function tellHover(px, py) {
   hover.hidden = best < 0;
   if (best < 0) return;
   const place = `${fixed(landmarks.x[best], 2)}, ${fixed(landmarks.y[best], 2)} m`;
-  setText(hover, landmarks.id ? `landmark ${landmarks.id[best]}: ${place}, xi ${landmarks.xi[best]}, seen ${landmarks.sightings[best]} times` : `landmark at ${place}`);
+  setText(hover, landmarks.id ? `landmark ${landmarks.id[best]}: ${place}, ${landmarks.sigma[best] > 0 ? `sigma ${fixed(landmarks.sigma[best], 2)} m, ` : ""}xi ${landmarks.xi[best]}, seen ${landmarks.sightings[best]} times` : `landmark at ${place}`);
 }
 
 function listenToPointers() {
@@ -634,14 +703,25 @@ function listenToTheme() {
 
 // --- What comes in --------------------------------------------------------------------------------------------------
 
+/** Puts the chunks that have changed among the others. */
+function takeMap(map) {
+  story.chunks.length = map.chunks;
+  for (const [number, chunk] of Object.entries(map.set)) story.chunks[number] = chunk;
+  story.map = noLandmarks();
+  for (const chunk of story.chunks) if (chunk) for (const name of PROPERTIES) story.map[name].push(...(chunk[name] || []));
+  story.map_stamp = (story.map_stamp || 0) + 1;
+  const known = story.map.sigma.filter((sigma) => sigma > 0).sort((a, b) => a - b);
+  story.sigma_median = known[known.length >> 1];
+  story.sigma_most = known[known.length - 1];
+}
+
+/** Members that are not in the message are as they were; `null` is none. */
 function take(message) {
   const had = story.map.x.length;
-  for (const name of ["pose", "status", "datum", "scan", "counters", "local_maps", "heard_s", "problem"]) story[name] = message[name];
+  for (const name of ["pose", "status", "datum", "scan", "counters", "local_maps"]) if (name in message) story[name] = message[name] || undefined;
+  for (const name of ["age_s", "heard_s", "problem"]) story[name] = message[name];
   story.local_maps = story.local_maps || {};
-  if (message.map) {
-    story.map = message.map;
-    story.map_stamp = (story.map_stamp || 0) + 1;
-  }
+  if (message.map) takeMap(message.map);
   if (message.path.restart) story.path = [];
   story.path.push(...message.path.add);
   story.fixes = story.path.filter((value) => value !== null).length / 2;

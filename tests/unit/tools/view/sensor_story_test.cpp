@@ -77,6 +77,59 @@ TEST_F(SensorStoryTest, AnotherHomeMapIsAnotherPath) {
   EXPECT_EQ(story.path_W().epoch, 1U);
 }
 
+firmware::MapMessage map_chunk(std::int32_t chunk, double x_m) {
+  firmware::MapMessage message;
+  message.initialization = 5;
+  message.landmarks = static_cast<std::int32_t>(firmware::kMapChunkLandmarks) + 1;
+  message.chunk = chunk;
+  message.chunks = 2;
+  message.count = chunk == 0 ? static_cast<std::int32_t>(firmware::kMapChunkLandmarks) : 1;
+  message.x_m[0] = x_m;
+  return message;
+}
+
+TEST_F(SensorStoryTest, OfAMapOnlyWhatHasChangedIsTold) {
+  StoryCursor cursor;
+  send(map_chunk(0, 1.0));
+  send(map_chunk(1, 2.0));
+  const nlohmann::json first = story_json(story, now_us, cursor);
+  EXPECT_EQ(first["map"]["chunks"], 2);
+  EXPECT_EQ(first["map"]["set"].size(), 2U);
+  send(map_chunk(0, 1.0));
+  send(map_chunk(1, 2.0));
+  EXPECT_FALSE(story_json(story, now_us, cursor).contains("map")) << "the same again";
+  send(map_chunk(0, 1.0));
+  send(map_chunk(1, 2.5));
+  const nlohmann::json then = story_json(story, now_us, cursor);
+  EXPECT_EQ(then["map"]["set"].size(), 1U);
+  EXPECT_EQ(then["map"]["set"]["1"]["x"][0], 2.5);
+}
+
+TEST_F(SensorStoryTest, MembersThatAreAsBeforeAreNotToldAgain) {
+  StoryCursor cursor;
+  send(pose(0));
+  const nlohmann::json first = story_json(story, now_us, cursor);
+  EXPECT_TRUE(first["status"].is_null()) << "there is none: a reader that has one must drop it";
+  EXPECT_EQ(first["pose"]["scan"], 0);
+  const nlohmann::json then = story_json(story, now_us + 500'000, cursor);
+  for (const char* const name : {"pose", "status", "datum", "scan", "counters", "local_maps"}) {
+    EXPECT_TRUE(first.contains(name)) << name;
+    EXPECT_FALSE(then.contains(name)) << name;
+  }
+  send(pose(1));
+  EXPECT_EQ(story_json(story, now_us, cursor)["pose"]["scan"], 1);
+}
+
+TEST_F(SensorStoryTest, WithoutAScanThereIsNoAge) {
+  StoryCursor cursor;
+  send(pose(0, core::FixStatus::NoFix, core::FixReason::NoScan, 0));
+  EXPECT_FALSE(story_json(story, now_us, cursor).contains("age_s"));
+  firmware::PoseMessage made = pose(1);
+  made.scan_end_monotonic_ns = made.report_monotonic_ns = 7;
+  send(made);
+  EXPECT_EQ(story_json(story, now_us + 2'000'000, cursor)["age_s"], 2.0);
+}
+
 TEST_F(SensorStoryTest, ALocalMapGrowsWithPoseAndScanInEitherOrderAndGoesWhenItIsTied) {
   send(scan(4, {{1.0, 0.0}, {0.0, 9.0}}));
   send(local_pose(4, 2));
