@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""The same drives given to MRPT's SLAM with odometry and to this sensor without: compare.py SLAMSENSOR MRPT_PEER OUT [SEEDS]
+"""The same drives given to MRPT's SLAM with odometry and to this sensor without, and the same pairs of scans to PCL's global
+registration: compare.py SLAMSENSOR FOLDER_OF_PEERS OUT [DRIVES OF EACH KIND]
 
-Writes OUT/table.md (also printed) and OUT/picture.svg. A drive is a carrier among random trees that stops every 3 m and
-scans; each scan gives the trees it saw, with noise, misses and things that are no trees. The kinds:
+Writes OUT/table.md (also printed) and OUT/picture.svg; the figures that the README shows go to build/results. A drive of
+landmarks is a carrier among random trees that stops every 3 m and scans; each scan gives the trees it saw, with noise,
+misses and things that are no trees. The kinds:
 
   loop      one and a half laps of a circle
   slip      the same; for three steps the wheels spin: odometry tells ten times the way, and misses a turn
@@ -10,7 +12,9 @@ scans; each scan gives the trees it saw, with noise, misses and things that are 
 
 A pose is right within 1 m and 2 degrees of the truth in the frame of the first scan; a pose of this sensor names its map, and
 where a poor first scan did not become the home map, it is compared in the frame of the first fix in that map. This sensor may say that it has no
-fix: that is no pose and counts neither as right nor as wrong. The others always say one."""
+fix: that is no pose and counts neither as right nor as wrong. The others always say one.
+
+A pair is two scans of one drive, 1, 2, 4 or 8 steps apart or a lap; the pose of the one in the frame of the other is asked for."""
 import csv
 import math
 import os
@@ -25,6 +29,9 @@ RADIUS_M, STEP_M, SCANS = 35.0, 3.0, 110
 SLIP_AT, KIDNAP_AT, KIDNAP_TO = 60, 80, 20
 RIGHT_M, RIGHT_RAD = 1.0, math.radians(2.0)
 KINDS = ("loop", "slip", "kidnap")
+EVENTS = {"slip": SLIP_AT, "kidnap": KIDNAP_AT}
+APART = (1, 2, 4, 8, 73)  # steps between the scans of a pair; 73 steps of 3 m are a lap of the circle
+TREE = pathlib.Path(__file__).resolve().parents[2]
 # What is compared; the order is that of the table and of the picture.
 PEERS = {"ekf": "EKF SLAM, JCBB, odometry (MRPT)", "icp": "ICP, odometry (MRPT)",
          "particles": "particle filter, odometry, true map given (MRPT)", "slamsensor": "slamsensor, no odometry"}
@@ -34,7 +41,9 @@ MRPT 2.5 (Debian): CRangeBearingKFSLAM2D, joint compatibility (JCBB), chi2 0.99,
 iterations, correspondences within 2 m down to 0.3 m (trees are metres apart), no decimation, accepted above goodness 0.4, points
 0.5 m apart added to the map; CMonteCarloLocalization2D with 2,000 particles, systematic resampling at 0.5, likelihood sigma
 0.3 m, in the true map. Nothing tells any of them that the wheels slipped or that it was kidnapped. slamsensor: config/oxford_forest.toml, which is for lists of trees, landmarks_max 60, order
-nearest, tolerance 0.6 m: three times the noise."""
+nearest, tolerance 0.6 m: three times the noise. PCL 1.13 (Debian): KFPCSInitialAlignment as
+tests/bench/pcl_peer.cpp sets it (delta 0.2 m, overlap 0.3, 60 bases, no early end), the best transform that does not turn the plane
+over; it cannot say that two scans have nothing in common. slamsensor on pairs: `locate` with the settings of the drives."""
 
 
 def moved(pose, dx, dy, turn):
@@ -123,26 +132,97 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
+def write_drive(folder, drive):
+    """For the peers: drive.txt and map.txt."""
+    poses, trees, scans = drive
+    (folder / "drive.txt").write_text("".join(f"S {i} {o[0]!r} {o[1]!r} {o[2]!r}\n" + "".join(f"L {x:.4f} {y:.4f}\n" for x, y in seen)
+                                              for i, (o, seen) in enumerate(scans)))
+    (folder / "map.txt").write_text("".join("{:.4f} {:.4f}\n".format(*between(poses[0], (*t, 0.0))[:2]) for t in trees))
+
+
+LIST_SETTINGS = ("--config", TREE / "config" / "oxford_forest.toml", "--set", "detection.landmarks_max=60", "--set",
+                 "landmark_list.order=nearest", "--set", "association.tolerance_m=0.6")
+
+
+def run_ours(program, folder, drive):
+    """fixes.csv of the drive, and peak kB."""
+    lists = folder / "scans.csv"
+    lists.write_text("scan,x_m,y_m\n" + "".join(f"{i},{x:.4f},{y:.4f}\n" for i, (_, seen) in enumerate(drive[2]) for x, y in seen))
+    memory = run([program, "replay", *LIST_SETTINGS, "--out", folder / "out", lists])
+    return rows(folder / "out" / "fixes.csv"), memory
+
+
 def run_peer(name, programs, folder, drive):
     """scan -> pose, milliseconds per scan, peak kB."""
-    poses, trees, scans = drive
     if name == "slamsensor":
-        lists = folder / "scans.csv"
-        lists.write_text("scan,x_m,y_m\n" + "".join(f"{i},{x:.4f},{y:.4f}\n" for i, (_, seen) in enumerate(scans) for x, y in seen))
-        config = pathlib.Path(__file__).resolve().parents[2] / "config" / "oxford_forest.toml"
-        memory = run([programs[0], "replay", "--config", config, "--set", "detection.landmarks_max=60", "--set", "landmark_list.order=nearest",
-                      "--set", "association.tolerance_m=0.6", "--out", folder / "out", lists])
-        table = rows(folder / "out" / "fixes.csv")
-        found = in_first_frame(table, [between(poses[0], pose) for pose in poses])
+        table, memory = run_ours(programs[0], folder, drive)
+        found = in_first_frame(table, [between(drive[0][0], pose) for pose in drive[0]])
     else:
-        (folder / "drive.txt").write_text("".join(f"S {i} {o[0]!r} {o[1]!r} {o[2]!r}\n" + "".join(f"L {x:.4f} {y:.4f}\n" for x, y in seen)
-                                                  for i, (o, seen) in enumerate(scans)))
-        (folder / "map.txt").write_text("".join("{:.4f} {:.4f}\n".format(*between(poses[0], (*t, 0.0))[:2]) for t in trees))
-        memory = run([programs[1], name, folder / "drive.txt", folder / "map.txt", folder / "poses.csv"])
+        write_drive(folder, drive)
+        memory = run([programs[1] / "mrpt_peer", name, folder / "drive.txt", folder / "map.txt", folder / "poses.csv", SIGMA_RANGE_M,
+                      SIGMA_BEARING_RAD])
         table = rows(folder / "poses.csv")
         found = {int(r["scan"]): (float(r["x_m"]), float(r["y_m"]), float(r["heading_rad"])) for r in table}
     times = sorted(float(r["milliseconds"]) for r in table)
     return found, times, memory
+
+
+# --- Pairs of scans ---------------------------------------------------------------------------------------------------
+
+def pairs_of(drive):
+    """(steps apart, landmarks of the one, of the other, true pose of the second in the frame of the first)."""
+    poses, _, scans = drive
+    for apart in APART:
+        for i in range(0, len(scans) - apart, 12):
+            yield apart, scans[i][1], scans[i + apart][1], between(poses[i], poses[i + apart])
+
+
+def run_pairs(programs, folder, pairs):
+    """Per method: pair -> pose, milliseconds, peak kB."""
+    (folder / "pairs.txt").write_text("".join(
+        f"P {n} 0\n" + "".join(f"A {x:.4f} {y:.4f}\n" for x, y in one) + "".join(f"B {x:.4f} {y:.4f}\n" for x, y in other)
+        for n, (_, one, other, _) in enumerate(pairs)))
+    memory = run([programs[1] / "pcl_pairs", folder / "pairs.txt", folder / "pcl.csv"])
+    results = {"pcl": (rows(folder / "pcl.csv"), memory)}
+    table, memory = [], 0
+    for n, (_, one, other, _) in enumerate(pairs):
+        (folder / "map.csv").write_text("id,x_m,y_m\n" + "".join(f"{i},{x:.4f},{y:.4f}\n" for i, (x, y) in enumerate(one)))
+        (folder / "scan.csv").write_text("scan,x_m,y_m\n" + "".join(f"{n},{x:.4f},{y:.4f}\n" for x, y in other))
+        memory = max(memory, run([programs[0], "locate", *LIST_SETTINGS, "--map", folder / "map.csv", "--scans", folder / "scan.csv", "--out",
+                                  folder / "located.csv"]))
+        row = rows(folder / "located.csv")[0]
+        table.append({**row, "pair": str(n), **({} if row["status"] == "fix" else {"x_m": ""})})
+    results["slamsensor"] = (table, memory)
+    return results
+
+
+def judge_pairs(pairs, results):
+    """(method, steps apart) -> [right, wrong, none, pairs, milliseconds], and peak kB per method."""
+    counts = {}
+    for method, (table, _) in results.items():
+        for row in table:
+            apart, _, _, true = pairs[int(row["pair"])]
+            count = counts.setdefault((method, apart), [0, 0, 0, 0, []])
+            count[3] += 1
+            count[4].append(float(row["milliseconds"]))
+            if row["x_m"] == "":
+                count[2] += 1
+            else:
+                count[0 if is_right((float(row["x_m"]), float(row["y_m"]), float(row["heading_rad"])), true) else 1] += 1
+    return counts, {method: memory for method, (_, memory) in results.items()}
+
+
+def pairs_table(counts, memory):
+    names = {"pcl": "KFPCS (PCL)", "slamsensor": "slamsensor"}
+    lines = ["| pairs of scans | who | right | wrong | none given | ms a pair, median, worst | peak memory |", "|---|---|---|---|---|---|---|"]
+    for apart in APART:
+        for method in ("pcl", "slamsensor"):
+            right, wrong, none, count, times = counts[method, apart]
+            times = sorted(times)
+            away = "a lap apart" if apart == APART[-1] else f"{apart * STEP_M:.0f} m apart"
+            lines.append(f"| {away} | {names[method]} | {right} of {count} | {wrong} | {none} | {times[len(times) // 2]:.1f}, {times[-1]:.0f} | "
+                         f"{memory[method] / 1024:.0f} MB |")
+    return "\n".join(lines)
 
 
 def is_right(pose, truth):
@@ -167,25 +247,35 @@ def judge(found, truth, event):
     return result
 
 
-def table_of(results, seeds):
+def totals(kind, name, results):
+    """Right before and after the event, wrong, squared errors, over all drives of the kind."""
+    many = [j for j, _, _ in results[kind, name]]
+    right = [sum(j["right"][i] for j in many) for i in (0, 1)]
+    return right, sum(sum(j["wrong"]) for j in many), [s for j in many for s in j["squares"]]
+
+
+def rms(squares):
+    return math.sqrt(sum(squares) / len(squares)) if squares else math.inf
+
+
+def table_of(results):
     lines = ["| drive | who | right before | right after the event | wrong | right again | error RMS of the right | ms a scan, median, worst | peak memory |",
              "|---|---|---|---|---|---|---|---|---|"]
     for kind in KINDS:
         for name, title in PEERS.items():
             many = results[kind, name]
-            right, wrong = ([sum(j[key][i] for j, _, _ in many) for i in (0, 1)] for key in ("right", "wrong"))
-            event = {"slip": SLIP_AT, "kidnap": KIDNAP_AT}.get(kind)
-            before = (event if event else SCANS) * seeds
-            squares = [s for j, _, _ in many for s in j["squares"]]
+            right, wrong, squares = totals(kind, name, results)
+            event = EVENTS.get(kind)
+            drives = len(many)
+            before = (event if event else SCANS) * drives
             times = sorted(t for _, ts, _ in many for t in ts)
             lost = sum(j["again"] is None for j, _, _ in many)
             again = [j["again"] for j, _, _ in many if j["again"] is not None]
-            later = (f"after {max(again)} scans at most" if again else "") + (f"{', ' if again else ''}never in {lost} of {seeds}" if lost else "")
-            lines.append(f"| {kind} | {title} | {right[0]} of {before} | " + (f"{right[1]} of {SCANS * seeds - before}" if event else "-") +
-                         f" | {sum(wrong)} | " + (later if event else "-") +
-                         (f" | {math.sqrt(sum(squares) / len(squares)):.3f} m" if squares else " | -") +
+            later = (f"after {max(again)} scans at most" if again else "") + (f"{', ' if again else ''}never in {lost} of {drives}" if lost else "")
+            lines.append(f"| {kind} | {title} | {right[0]} of {before} | " + (f"{right[1]} of {SCANS * drives - before}" if event else "-") +
+                         f" | {wrong} | " + (later if event else "-") + (f" | {rms(squares):.3f} m" if squares else " | -") +
                          f" | {times[len(times) // 2]:.1f}, {times[-1]:.0f} | {max(m for _, _, m in many) / 1024:.0f} MB |")
-    return "\n".join(lines) + "\n\n" + winners(results)
+    return "\n".join(lines)
 
 
 def winners(results):
@@ -194,9 +284,8 @@ def winners(results):
     for kind in KINDS:
         errors, right = {}, {}
         for name, title in PEERS.items():
-            squares = [s for j, _, _ in results[kind, name] for s in j["squares"]]
-            errors[title] = math.sqrt(sum(squares) / len(squares)) if squares else math.inf
-            right[title] = sum(sum(j["right"]) for j, _, _ in results[kind, name])
+            before_after, _, squares = totals(kind, name, results)
+            errors[title], right[title] = rms(squares), sum(before_after)
         most = [title for title in right if right[title] == max(right.values())]
         lines.append(f"{kind}: most scans right: {'; '.join(most)}. Least error where right: {min(errors, key=errors.get)}.")
     return "\n".join(lines)
@@ -216,7 +305,7 @@ def picture(paths):
             ox, oy = 90 + column * size + size / 2, 30 + row * size + size / 2
             ends = [(min(p[i] for p in truth), max(p[i] for p in truth)) for i in (0, 1)]
             mid = [sum(pair) / 2 for pair in ends]
-            scale = (size - 40) / max(high - low for low, high in ends)
+            scale = (size - 40) / max(1.0, *(high - low for low, high in ends))
 
             def place(pose, mid=mid, ox=ox, oy=oy, scale=scale):
                 return ox + scale * (pose[0] - mid[0]), oy - scale * (pose[1] - mid[1])
@@ -233,26 +322,44 @@ def picture(paths):
     return "\n".join(out) + "\n</svg>\n"
 
 
+def keep_figures(results, counts):
+    """What the README shows, for tests/readme: after slips and kidnaps together, in loops, on pairs."""
+    figures = {"scans_after": sum((SCANS - EVENTS[kind]) * len(results[kind, "ekf"]) for kind in EVENTS)}
+    for name in PEERS:
+        figures[f"{name}_right_after"] = sum(totals(kind, name, results)[0][1] for kind in EVENTS)
+    figures["pairs"] = sum(counts["pcl", apart][3] for apart in APART)
+    for method in ("pcl", "slamsensor"):
+        figures[f"{method}_pairs_right"] = sum(counts[method, apart][0] for apart in APART)
+        figures[f"{method}_pairs_wrong"] = sum(counts[method, apart][1] for apart in APART)
+    folder = TREE / "build" / "results"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "comparison.csv").write_text("figure,value\n" + "".join(f"{name},{value}\n" for name, value in figures.items()))
+
+
 def main():
-    programs, folder = sys.argv[1:3], pathlib.Path(sys.argv[3])
+    programs, folder = (pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])), pathlib.Path(sys.argv[3])
     seeds = int(sys.argv[4]) if len(sys.argv) > 4 else 5
     folder.mkdir(parents=True, exist_ok=True)
-    results, paths = {}, {}
+    results, paths, pairs = {}, {}, []
     for kind in KINDS:
         for seed in range(1, seeds + 1):
             drive = make_drive(kind, seed)
+            if kind == "loop":
+                pairs.extend(pairs_of(drive))
             truth = [between(drive[0][0], pose) for pose in drive[0]]
             for name in PEERS:
                 found, times, memory = run_peer(name, programs, folder, drive)
-                event = {"slip": SLIP_AT, "kidnap": KIDNAP_AT}.get(kind)
-                results.setdefault((kind, name), []).append((judge(found, truth, event), times, memory))
+                results.setdefault((kind, name), []).append((judge(found, truth, EVENTS.get(kind)), times, memory))
                 paths.setdefault((kind, name), (truth, found))
                 print(f"{kind} {seed} {name}: {results[kind, name][-1][0]['right']} right, {results[kind, name][-1][0]['wrong']} wrong",
                       file=sys.stderr, flush=True)
+    counts, memory = judge_pairs(pairs, run_pairs(programs, folder, pairs))
     settings = SETTINGS.format(density=DENSITY, range=RANGE_M, seen=SEEN, clutter=CLUTTER, sr=SIGMA_RANGE_M, sb=SIGMA_BEARING_RAD)
-    table = table_of(results, seeds) + f"\n\n{seeds} drives of each kind, {SCANS} scans each. {settings}\n"
+    table = "\n\n".join((table_of(results), winners(results), pairs_table(counts, memory),
+                         f"{seeds} drives of each kind, {SCANS} scans each. {settings}")) + "\n"
     (folder / "table.md").write_text(table)
     (folder / "picture.svg").write_text(picture(paths))
+    keep_figures(results, counts)
     print(table)
 
 

@@ -1,14 +1,16 @@
-// What users of odometry take from MRPT, on a drive: mrpt_peer ekf|icp|particles DRIVE MAP OUT
+// What users of odometry take from MRPT, on a drive: mrpt_peer ekf|icp|particles DRIVE MAP OUT SIGMA_M
+// SIGMA_RAD
 //
 // DRIVE: lines "S scan dx dy dphi" (a scan, and what odometry says of the way to it, in the frame of the scan
 // before) and "L x y" (a landmark of that scan, in the sensor's frame). MAP: the true landmarks, for
 // `particles` alone. OUT: a line "scan,x_m,y_m,heading_rad,milliseconds" per scan, from the first scan as
-// origin.
+// origin. The sigmas are the noise of the sensor in range and bearing.
 //
 // Settings: MRPT's defaults and the values of its own examples where not said otherwise beside them.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -32,8 +34,11 @@ namespace {
 using mrpt::maps::CSimplePointsMap;
 using mrpt::poses::CPose2D;
 
-constexpr double kRangeSigma_m = 0.1;  // the noise that the drives are made with
-constexpr double kBearingSigma_rad = 0.005;
+/// Of the sensor that the drive was made with.
+struct Noise {
+  double range_m = 0.1;
+  double bearing_rad = 0.005;
+};
 constexpr unsigned kSeed = 5;
 
 struct Point {
@@ -101,9 +106,9 @@ class Peer {
 /// CRangeBearingKFSLAM2D with joint compatibility, its best data association.
 class Ekf : public Peer {
  public:
-  Ekf() {
-    filter_.options.std_sensor_range = kRangeSigma_m;
-    filter_.options.std_sensor_yaw = kBearingSigma_rad;
+  explicit Ekf(const Noise& noise) : noise_(noise) {
+    filter_.options.std_sensor_range = static_cast<float>(noise.range_m);
+    filter_.options.std_sensor_yaw = static_cast<float>(noise.bearing_rad);
     filter_.options.data_assoc_method = mrpt::slam::assocJCBB;
     filter_.setMinLoggingLevel(mrpt::system::LVL_ERROR);
   }
@@ -118,8 +123,8 @@ class Ekf : public Peer {
       one.landmarkID = mrpt::obs::INVALID_LANDMARK_ID;
       seen->sensedData.push_back(one);
     }
-    seen->sensor_std_range = kRangeSigma_m;
-    seen->sensor_std_yaw = kBearingSigma_rad;
+    seen->sensor_std_range = static_cast<float>(noise_.range_m);
+    seen->sensor_std_yaw = static_cast<float>(noise_.bearing_rad);
     seen->fieldOfView_yaw = 2.0 * M_PI;
     seen->minSensorDistance = 0.5F;
     seen->maxSensorDistance = 100.0F;
@@ -133,6 +138,7 @@ class Ekf : public Peer {
   }
 
  private:
+  Noise noise_;
   mrpt::slam::CRangeBearingKFSLAM2D filter_;
 };
 
@@ -218,14 +224,15 @@ class Particles : public Peer {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 5) {
-    std::fprintf(stderr, "usage: mrpt_peer ekf|icp|particles DRIVE MAP OUT\n");
+  if (argc != 7) {
+    std::fprintf(stderr, "usage: mrpt_peer ekf|icp|particles DRIVE MAP OUT SIGMA_M SIGMA_RAD\n");
     return 64;
   }
+  const Noise noise{std::strtod(argv[5], nullptr), std::strtod(argv[6], nullptr)};
   const std::string method = argv[1];
   std::unique_ptr<Peer> peer;
   if (method == "ekf") {
-    peer = std::make_unique<Ekf>();
+    peer = std::make_unique<Ekf>(noise);
   } else if (method == "icp") {
     peer = std::make_unique<Icp>();
   } else if (method == "particles") {
