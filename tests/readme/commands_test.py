@@ -100,7 +100,7 @@ class Scans(unittest.TestCase):
             status, _, errors = run(TREE / script, "--no-such-thing", cwd=TREE)
             self.assertEqual((status, "usage" in errors), (64, True), script)
         for purpose in ("run", "packages", "arm64"):
-            self.assertRegex((TREE / "tools/setup").read_text(), rf"^  {purpose}\) ", purpose)
+            self.assertRegex((TREE / "tools/setup").read_text(), rf"(?m)^  {purpose}\) ", purpose)
 
     def test_it_installs(self):
         self.done("cmake", "--install", BUILD, env={**os.environ, "DESTDIR": str(self.folder)}, patience_s=300)
