@@ -99,6 +99,9 @@ class Atlas {
   [[nodiscard]] std::span<const Weighed> weighed() const noexcept { return weighed_.span(); }
 
  private:
+  /// 1 sigma, along each axis, of a landmark's place in the frame of its map.
+  [[nodiscard]] double landmark_sigma_m(std::uint32_t slot) const noexcept;
+
   struct Scan {
     std::uint32_t number = 0;
     const ScanView* view = nullptr;

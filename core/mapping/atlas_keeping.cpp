@@ -25,6 +25,7 @@ bool Atlas::take_survey(std::span<const Point2> landmarks_W) noexcept {
     SLAMSENSOR_ASSERT(slot != SightingGraph::kNone);
     graph_.standing(slot) = {kSurveyed, kSurveyed};
     graph_.set_prior(slot, kSurveyed);
+    graph_.landmark(slot).file_sigma_m = 0.0F;
     ++maps_[0].landmarks;
     ++maps_[0].confirmed;
     for (const double dy :
@@ -68,6 +69,27 @@ void Atlas::probe_structure() noexcept {
   weighed_.clear();
 }
 
+/// Three errors: of the mean of its sightings, of the map where it was seen (its drift), and of the frame,
+/// which turns and bends. What came from a file keeps the sigma that it came with: a restart is no sighting.
+double Atlas::landmark_sigma_m(std::uint32_t slot) const noexcept {
+  const GraphLandmark& l = graph_.landmark(slot);
+  if (l.file_sigma_m >= 0.0F) {
+    return static_cast<double>(l.file_sigma_m);
+  }
+  const double sighting_m = rates_.sigma_m(scale_.start_sigma_m());
+  const double own_m2 = (sighting_m * sighting_m + kScanBias_m * kScanBias_m) / std::max(1.0, l.sum_weight);
+  const Point2& place_W = graph_.positions()[slot];
+  double drift_m2 = 0.0;
+  if (const std::uint32_t pose = graph_.witness_of(slot); pose != SightingGraph::kNone) {
+    const Eigen::Matrix3d drift = graph_.drift_of(pose);
+    const double arm2_m2 = (place_W - graph_.pose(pose).T_W_B.translation()).squaredNorm();
+    drift_m2 =
+        sighting_m * sighting_m * kDriftInflation * (drift(0, 0) + drift(1, 1) + drift(2, 2) * arm2_m2);
+  }
+  const double turn2 = maps_[l.map].frame_turn2 + 3.0 * kFrameBias_rad * kFrameBias_rad;
+  return std::sqrt(own_m2 + 0.5 * (drift_m2 + turn2 * place_W.squaredNorm()));
+}
+
 MapState Atlas::copy_home(const MapRoom& room) const noexcept {
   MapState state;
   state.scans = scans_;
@@ -85,8 +107,14 @@ MapState Atlas::copy_home(const MapRoom& room) const noexcept {
     }
     const GraphLandmark& l = graph_.landmark(slot);
     const Standing& standing = graph_.standing()[slot];
-    room.landmarks[count] = {l.id,         l.xi,       l.parents, standing.sightings, standing.chances,
-                             l.first_scan, l.last_scan};
+    room.landmarks[count] = {l.id,
+                             l.xi,
+                             l.parents,
+                             standing.sightings,
+                             standing.chances,
+                             l.first_scan,
+                             l.last_scan,
+                             static_cast<float>(landmark_sigma_m(slot))};
     // Two numbers share the array until it is sorted: the slot stands where the place will.
     room.positions_W[count] = {static_cast<double>(l.id), static_cast<double>(slot)};
     ++count;
@@ -139,6 +167,7 @@ MapCheck Atlas::restore(const MapState& state) noexcept {
     l.parents = from.parents;
     graph_.standing(slot) = {from.sightings, std::max(from.chances, from.sightings)};
     graph_.set_prior(slot, from.sightings);
+    l.file_sigma_m = from.sigma_m;
     ++entry.landmarks;
     entry.confirmed += from.sightings >= 2 ? 1 : 0;
     // Where landmarks are, somebody looked.

@@ -29,6 +29,8 @@ struct MapLandmark {
       1;  ///< scans that could have seen it, sightings included; counted only when pruning is on
   std::uint32_t first_scan = 0;
   std::uint32_t last_scan = 0;
+  float sigma_m =
+      0.0F;  ///< 1 sigma of its place in the map's frame, along each axis; 0: not known, or surveyed
 };
 
 /// Index of the landmark with `id` among `landmarks`, which are sorted by id; none when it is not there.

@@ -63,6 +63,9 @@ MapFlaw flaw_of_landmark(const MapState& state, std::size_t i) noexcept {
   if (landmark.sightings == 0 || landmark.chances == 0) {
     return MapFlaw::Sightings;
   }
+  if (!(landmark.sigma_m >= 0.0F) || !std::isfinite(landmark.sigma_m)) {
+    return MapFlaw::Sigma;
+  }
   if (landmark.first_scan > landmark.last_scan || landmark.last_scan >= state.scans) {
     return MapFlaw::LandmarkScans;
   }

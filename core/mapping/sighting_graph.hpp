@@ -28,6 +28,7 @@ struct GraphLandmark {
   float prior_x_m = 0.0F;                 ///< mean of the sightings that are not kept any more
   float prior_y_m = 0.0F;
   float prior_weight = 0.0F;
+  float file_sigma_m = -1.0F;  ///< MapLandmark::sigma_m of the file that it came from; negative: of no file
   MapSlot map = 0;
   std::uint16_t misses = 0;  ///< scans in a row that should have shown it
   double sum_x_m = 0.0;      ///< of weight times place, over prior and sightings
@@ -146,6 +147,13 @@ class SightingGraph {
   }
   [[nodiscard]] const LandmarkIndex& index() const noexcept { return index_; }
   [[nodiscard]] GraphPose& pose(std::uint32_t place) noexcept { return poses_[place]; }
+  [[nodiscard]] const GraphPose& pose(std::uint32_t place) const noexcept { return poses_[place]; }
+  /// The pose whose scan showed the landmark first, or, when that is not kept, one that showed it; kNone when
+  /// none is kept.
+  [[nodiscard]] std::uint32_t witness_of(std::uint32_t slot) const noexcept {
+    const GraphLandmark& l = landmarks_[slot];
+    return l.brought_by != kNone || l.sightings == kNone ? l.brought_by : sightings_[l.sightings].pose;
+  }
   /// The poses that are kept, from the oldest on: visit(place, pose).
   template <typename Visit>
   void visit_poses(Visit&& visit) const noexcept {

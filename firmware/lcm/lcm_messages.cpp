@@ -223,6 +223,7 @@ std::size_t encode_map_chunk(const LcmMapView& map, std::uint32_t chunk,
     message.id[i] = landmark.id;
     message.x_m[i] = map.positions_W[first + i].x();
     message.y_m[i] = map.positions_W[first + i].y();
+    message.sigma_m[i] = static_cast<double>(landmark.sigma_m);
     message.xi[i] = clamped(landmark.xi);
     message.sightings[i] = clamped(landmark.sightings);
     message.last_scan[i] = clamped(landmark.last_scan);

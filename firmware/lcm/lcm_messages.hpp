@@ -176,7 +176,7 @@ struct ScanView {
 [[nodiscard]] core::ScanTime scan_time_of(const ScanMessage& message) noexcept;
 
 /// Landmarks in one slamsensor.map_t.
-inline constexpr std::size_t kMapChunkLandmarks = 36;
+inline constexpr std::size_t kMapChunkLandmarks = 30;
 
 /// slamsensor.map_t (types/slamsensor_map_t.lcm): a share of the landmarks of the map, in the map frame.
 /// Chunks of one `initialization` and `revision` belong together.
@@ -191,6 +191,7 @@ struct MapMessage {
   std::array<std::int64_t, kMapChunkLandmarks> id{};
   std::array<double, kMapChunkLandmarks> x_m{};
   std::array<double, kMapChunkLandmarks> y_m{};
+  std::array<double, kMapChunkLandmarks> sigma_m{};
   std::array<std::int32_t, kMapChunkLandmarks> xi{};
   std::array<std::int32_t, kMapChunkLandmarks> sightings{};
   std::array<std::int32_t, kMapChunkLandmarks> last_scan{};
@@ -206,6 +207,7 @@ struct MapMessage {
     visit("id", m.id);
     visit("x_m", m.x_m);
     visit("y_m", m.y_m);
+    visit("sigma_m", m.sigma_m);
     visit("xi", m.xi);
     visit("sightings", m.sightings);
     visit("last_scan", m.last_scan);

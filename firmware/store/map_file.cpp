@@ -7,6 +7,7 @@
 #include <boost/crc.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -99,6 +100,8 @@ void read_landmarks(const MapFrameSection& section, MapFile& map) {
     landmark.last_scan = in.take<std::uint32_t>();
     map.positions_W[i].x() = in.take_double();
     map.positions_W[i].y() = in.take_double();
+    landmark.sigma_m =
+        section.record_bytes == kLandmarkBytesV2 ? 0.0F : std::bit_cast<float>(in.take<std::uint32_t>());
   }
 }
 
@@ -202,6 +205,7 @@ void put_landmark(const core::MapLandmark& landmark, const core::Point2& positio
   out.put(landmark.last_scan);
   out.put(position_W.x());
   out.put(position_W.y());
+  out.put(std::bit_cast<std::uint32_t>(landmark.sigma_m));
 }
 
 void put_pose(const core::PathPose& pose, ByteWriter& out) {
@@ -265,6 +269,8 @@ const char* detail_of(MapFlaw flaw) {
       return "a parent is not nearer to the origin (xi) than it is";
     case MapFlaw::Sightings:
       return "it was never seen";
+    case MapFlaw::Sigma:
+      return "its sigma is not a length";
     case MapFlaw::LandmarkScans:
       return "it was last seen before it was first seen, or in a scan that is still to come";
     case MapFlaw::PathOrder:

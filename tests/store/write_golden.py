@@ -15,13 +15,13 @@ CREATED, SAVED = 1767225600, 1795439109  # 2026-01-01T00:00:00Z, 2026-11-23T13:0
 WEIGHT, EVICTED, THINNINGS, NEXT_ID, SCANS, SAVES = 5000000019, 3, 1, 9, 40, 12
 METHOD = (0.5, 0.25, 0.009, 2, 30)
 DATUM = (59.3325, 18.0649, 28.5, 90.0)
-# id, xi, parents, sightings, chances, first, last, x, y
+# id, xi, parents, sightings, chances, first, last, x, y, sigma
 LANDMARKS = [
-    (0, 0, (NONE, NONE, NONE), 21, 22, 0, 38, 1.5, -2.25),
-    (1, 0, (NONE, NONE, NONE), 4, 4, 0, 3, -7.125, 0.0),
-    (2, 0, (NONE, NONE, NONE), 9, 30, 0, 37, 0.1, 12.7),
-    (5, 1, (0, 1, 2), 2, 3, 4, 39, -64000.0, 33.0),
-    (8, 2, (5, 2, 1), 1, 1, 39, 39, 8.0, 8.5),
+    (0, 0, (NONE, NONE, NONE), 21, 22, 0, 38, 1.5, -2.25, 0.0),
+    (1, 0, (NONE, NONE, NONE), 4, 4, 0, 3, -7.125, 0.0, 0.0625),
+    (2, 0, (NONE, NONE, NONE), 9, 30, 0, 37, 0.1, 12.7, 0.125),
+    (5, 1, (0, 1, 2), 2, 3, 4, 39, -64000.0, 33.0, 2.5),
+    (8, 2, (5, 2, 1), 1, 1, 39, 39, 8.0, 8.5, 0.375),
 ]
 # scan, xi, x, y, heading
 PATH = [(0, 0, 0.0, 0.0, 0.0), (4, 1, 1.25, -0.5, -3.0), (39, 2, 2.5, 0.75, 3.125)]
@@ -42,14 +42,15 @@ def text(characters):
     return struct.pack("<H", len(characters)) + characters
 
 
-def golden(flags=1):
-    """Flags: 1 it has a datum, 2 it is marked frozen."""
+def golden(flags=1, version=3):
+    """Flags: 1 it has a datum, 2 it is marked frozen. Version 2 had no sigma."""
+    record = 52 if version == 2 else 56
     info = struct.pack("<QqqQQQII", SAVES, CREATED, SAVED, WEIGHT, EVICTED, THINNINGS, NEXT_ID, SCANS)
     info += struct.pack("<dddII", *METHOD) + struct.pack("<Bdddd", flags, *DATUM) + text(NAME)
-    land = b"".join(struct.pack("<9Idd", l[0], l[1], *l[2], *l[3:]) for l in LANDMARKS)
+    land = b"".join(struct.pack("<9Iddf", l[0], l[1], *l[2], *l[3:])[:record] for l in LANDMARKS)
     path = b"".join(struct.pack("<IIddd", *pose) for pose in PATH)
-    return file(2, [section(b"INFO", 1, len(info), info), section(b"LAND", len(LANDMARKS), 52, land),
-                    section(b"PATH", len(PATH), 32, path)])
+    return file(version, [section(b"INFO", 1, len(info), info), section(b"LAND", len(LANDMARKS), record, land),
+                          section(b"PATH", len(PATH), 32, path)])
 
 
 def literal(name, content):
@@ -62,6 +63,7 @@ def header():
     return ("#pragma once\n\n#include <string_view>\n\nnamespace slamsensor::tests {\n\n"
             "/// The sample map in hex: written by tests/store/write_golden.py.\n"
             + literal("kGoldenMap", golden()) + literal("kGoldenFrozenMap", golden(3))
+            + literal("kGoldenMapOfVersion2", golden(version=2))
             + "\n}  // namespace slamsensor::tests\n")
 
 

@@ -18,14 +18,19 @@ def xi_of(i):
     return i % 9
 
 
+def sigma_of(i):
+    """Of every fifth landmark nothing is known."""
+    return 0.0 if i % 5 == 0 else 0.05 * (1 + i % 7)
+
+
 def map_messages(points, revision=1):
-    per = 36
+    per = 30
     chunks = max(1, -(-len(points) // per))
     for chunk in range(chunks):
         part = range(chunk * per, min(len(points), (chunk + 1) * per))
         yield "SLAMSENSOR_MAP", lcm_types.encode(
             "map_t", initialization=7, revision=revision, landmarks=len(points), chunk=chunk, chunks=chunks,
-            count=len(part), id=list(part), x_m=[points[i][0] for i in part], y_m=[points[i][1] for i in part],
+            count=len(part), id=list(part), x_m=[points[i][0] for i in part], y_m=[points[i][1] for i in part], sigma_m=[sigma_of(i) for i in part],
             xi=[xi_of(i) for i in part], sightings=[3 + i % 5 for i in part])
 
 

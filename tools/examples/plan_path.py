@@ -25,7 +25,7 @@ from urllib.parse import urlsplit
 
 # slamsensor.pose_t and slamsensor.map_t as the .lcm files have them, behind the fingerprints that tell the types.
 POSE, POSE_FINGERPRINT = struct.Struct(">Q 10q 4b 3d 9d 4q d 3q 2q d 9d"), 0xDF2A5E439E4A5851
-MAP, MAP_FINGERPRINT = struct.Struct(">Q 3q 4i 36q 36d 36d 36i 36i 36i"), 0x8E1CC5FB9501AED1
+MAP, MAP_FINGERPRINT = struct.Struct(">Q 3q 4i 30q 30d 30d 30d 30i 30i 30i"), 0x65B5CC0FADE030BB
 STATUS = ("no_fix", "ambiguous", "fix")
 REASON = ("none", "too_few_landmarks", "no_overlap", "symmetric", "deadline", "stale", "device", "moved", "timing", "copy",
           "local_map", "no_scan")
@@ -151,7 +151,7 @@ class Sensor:
             of, chunk, chunks, count = fields[2:4], fields[5], fields[6], fields[7]
             if of != self.of:
                 self.of, self.chunks, self.whole = of, {}, False
-            self.chunks[chunk] = list(zip(fields[44:44 + count], fields[80:80 + count]))
+            self.chunks[chunk] = list(zip(fields[38:38 + count], fields[68:68 + count]))
             self.whole = len(self.chunks) == chunks
         return False
 

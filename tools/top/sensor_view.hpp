@@ -19,7 +19,7 @@ namespace slamsensor::tools {
 class SensorView {
  public:
   static constexpr std::size_t kPathMax = 2000;
-  static constexpr std::int32_t kMapChunksMax = 3000;  ///< 108,000 landmarks; more are not shown
+  static constexpr std::int32_t kMapChunksMax = 3000;  ///< 90,000 landmarks; more are not shown
 
   struct Landmark {
     core::Point2 position_W = core::Point2::Zero();

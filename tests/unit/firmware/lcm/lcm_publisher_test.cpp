@@ -68,7 +68,7 @@ TEST(LcmPublisher, TakesItsChannelsFromTheSettings) {
 
 TEST(LcmPublisher, SpreadsALargeMapOverSeveralCalls) {
   Bench bench;
-  const tests::SampleMap map(1000);  // 28 chunks
+  const tests::SampleMap map(1000);  // 34 chunks
   std::optional<std::uint32_t> next = 0;
   int calls = 0;
   while (next) {

@@ -189,7 +189,7 @@ TEST(LcmScan, BringsTheLandmarksBitForBit) {
 
 TEST(LcmMap, BringsTheLandmarks) {
   std::array<std::uint8_t, 1400> out{};
-  for (const std::uint32_t size : {0U, 1U, 36U, 37U, 1000U}) {
+  for (const std::uint32_t size : {0U, 1U, 30U, 31U, 1000U}) {
     const tests::SampleMap map(size);
     std::size_t next = 0;
     for (std::uint32_t chunk = 0; chunk < map_chunks(map.view()); ++chunk) {
@@ -198,6 +198,7 @@ TEST(LcmMap, BringsTheLandmarks) {
       for (std::size_t i = 0; i < static_cast<std::size_t>(message->count); ++i, ++next) {
         EXPECT_EQ(message->id[i], map.landmarks[next].id);
         EXPECT_EQ(message->x_m[i], map.positions_W[next].x());
+        EXPECT_EQ(message->sigma_m[i], static_cast<double>(map.landmarks[next].sigma_m));
         EXPECT_EQ(message->xi[i], static_cast<std::int32_t>(map.landmarks[next].xi));
         EXPECT_EQ(message->sightings[i], static_cast<std::int32_t>(map.landmarks[next].sightings));
         EXPECT_EQ(message->last_scan[i], static_cast<std::int32_t>(map.landmarks[next].last_scan));

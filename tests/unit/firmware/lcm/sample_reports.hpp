@@ -95,7 +95,11 @@ struct SampleMap {
 
   explicit SampleMap(std::uint32_t size) {
     for (std::uint32_t i = 0; i < size; ++i) {
-      landmarks.push_back({.id = 10 + 3 * i, .xi = i % 7, .sightings = i + 1, .last_scan = 2 * i});
+      landmarks.push_back({.id = 10 + 3 * i,
+                           .xi = i % 7,
+                           .sightings = i + 1,
+                           .last_scan = 2 * i,
+                           .sigma_m = 0.25F * static_cast<float>(i)});
       positions_W.emplace_back(0.5 * i, -0.25 * i);
     }
   }

@@ -47,6 +47,10 @@ inline firmware::MapFile sample_map() {
                    sample_landmark(2, 0, kNone, {9, 30, 0, 37}),
                    sample_landmark(5, 1, {0, 1, 2}, {2, 3, 4, 39}),
                    sample_landmark(8, 2, {5, 2, 1}, {1, 1, 39, 39})};
+  constexpr std::array<float, 5> kSigmas_m{0.0F, 0.0625F, 0.125F, 2.5F, 0.375F};
+  for (std::size_t i = 0; i < kSigmas_m.size(); ++i) {
+    map.landmarks[i].sigma_m = kSigmas_m[i];
+  }
   map.positions_W = {{1.5, -2.25}, {-7.125, 0.0}, {0.1, 12.7}, {-64000.0, 33.0}, {8.0, 8.5}};
   map.path = {{0, 0, {}}, {4, 1, {1.25, -0.5, -3.0}}, {39, 2, {2.5, 0.75, 3.125}}};
   map.numbers.weight = 5'000'000'019;
