@@ -162,6 +162,18 @@ class Cli(unittest.TestCase):
         self.assertEqual((code, "holds landmarks" in errors), (DATAERR, True), errors)
         self.assertEqual(run("figure")[0], USAGE)
 
+    def test_landmarks_that_were_found_are_a_list_to_replay(self):
+        scans = self.simulate()
+        listed = self.folder / "landmarks.csv"
+        code, _, errors = run("replay", "--config", CONFIG / "experiment-3.toml", "--landmarks", listed, "--out", self.out, scans)
+        self.assertEqual(code, OK, errors)
+        found = listed.read_text().splitlines()
+        self.assertEqual(found[0], "scan,x_m,y_m,weight")
+        self.assertEqual({line.split(",")[0] for line in found[1:]}, {"1", "2", "3", "4"})
+        code, output, errors = run("replay", "--config", CONFIG / "experiment-3.toml", "--out", self.folder / "again", listed)
+        self.assertEqual(code, OK, errors)
+        self.assertIn("scans            4", output)
+
     def simulate(self):
         scans = self.folder / "scans"
         code, _, errors = run("simulate", CONFIG / "worlds/bush.toml", "--out", scans, "--scans", 4, "--experiment", 3)

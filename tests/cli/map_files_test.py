@@ -173,15 +173,15 @@ class MapFiles(unittest.TestCase):
     def with_path(self):
         """A map as a drive leaves it, with xi and a path, written by the second writer of the format."""
         none = 0xFFFFFFFF
-        land = b"".join(struct.pack("<9Idd", i, 0 if i < 60 else 1 + i % 4, *((none,) * 3 if i < 60 else (i % 20, 21, 22)),
-                                    3 + i % 9, 20, 0, 11, x, y)
+        land = b"".join(struct.pack("<9Iddf", i, 0 if i < 60 else 1 + i % 4, *((none,) * 3 if i < 60 else (i % 20, 21, 22)),
+                                    3 + i % 9, 20, 0, 11, x, y, 0.05 * (i % 7))
                         for i, (x, y) in enumerate(random_points(5, 120, 60.0)))
         path = b"".join(struct.pack("<IIddd", i, i // 3, -30.0 + 5.0 * i, 0.1 * i, 0.1 * i) for i in range(12))
         info = struct.pack("<QqqQQQII", 3, 1767225600, 1795439109, 99, 0, 0, 120, 12)
         info += struct.pack("<dddII", 0.5, 0.25, 0.009, 2, 30) + struct.pack("<B", 0) + write_golden.text(b"drive")
         target = self.folder / "drive.slammap"
-        target.write_bytes(write_golden.file(2, [write_golden.section(b"INFO", 1, len(info), info),
-                                                 write_golden.section(b"LAND", 120, 52, land),
+        target.write_bytes(write_golden.file(3, [write_golden.section(b"INFO", 1, len(info), info),
+                                                 write_golden.section(b"LAND", 120, 56, land),
                                                  write_golden.section(b"PATH", 12, 32, path)]))
         return target
 
@@ -202,12 +202,14 @@ class MapFiles(unittest.TestCase):
                 self.assertEqual(counts, [count + 1])
                 self.assertIn("sightings: Integer", told)
                 self.assertIn("xi: Integer", told)
+                self.assertIn("sigma_m: Real", told)
             elif name == "csv":
                 self.assertEqual(counts, [count + 12])
             elif name == "gpx":
                 self.assertIn(count, counts)  # waypoints
                 self.assertIn(12, counts)     # track_points
                 self.assertIn("slamsensor_xi", told)
+                self.assertIn("slamsensor_sigma_m", told)
             else:
                 self.assertEqual(sorted(counts), [1, count])
         extent = [line for line in ogrinfo(self.folder / "drive.geojson", "-so").splitlines() if "Extent" in line][0]

@@ -244,6 +244,25 @@ class RecordingTest(PageTest):
             page.shot(f"recording-{theme}")
         self.assertEqual(theme, first)
 
+    def test_the_sigma_of_each_landmark_is_a_circle(self):
+        page = self.opened()
+        self.assertIn("0.20 m, at most 0.35 m", page.run(LIST, "#about-map")["Their sigma"])
+        spread = page.run(COLOUR, "--spread")
+        x, y, _ = drive.pose_at(29)
+        seen = 0
+        for i, (px, py) in enumerate(self.points):
+            reach = 3.0 * drive.sigma_of(i)
+            if reach < 0.6 or math.hypot(px - x, py - y) < 28.0 or any(0 < math.hypot(qx - px, qy - py) < 2.5 for qx, qy in self.points):
+                continue
+            pixel_m = 1.0 / page.run("return slamsensorView.view.scale")
+            met = 0
+            for a in (0.4, 1.2, 2.0, 2.8, 4.0, 4.8, 5.5):  # a line of a pixel may fall between two
+                near = [page.run(PIXEL, px + r * math.cos(a), py + r * math.sin(a)) for r in (reach - 0.5 * pixel_m, reach + 0.5 * pixel_m)]
+                met += any(max(abs(a - b) for a, b in zip(pixel, spread)) < 60 for pixel in near)
+            self.assertGreaterEqual(met, 4, f"landmark {i}")
+            seen += 1
+        self.assertGreater(seen, 3)
+
     def test_ten_thousand_landmarks(self):
         view = self.serve(self.recording(10_000, 400.0))
         page = self.look()

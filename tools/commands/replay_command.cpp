@@ -22,6 +22,7 @@ struct Options {
   ConfigOptions config;
   std::string truth;
   std::string out;
+  std::string landmarks;
   std::vector<std::filesystem::path> inputs;
   bool no_times = false;
   double tolerance_s = EvaluationConfig().time_tolerance_s;
@@ -172,6 +173,12 @@ CommandResult run(const Options& options) {
   if (!written) {
     return tl::unexpected(CommandError{written.error().message + '\n', EX_CANTCREAT});
   }
+  if (!options.landmarks.empty()) {
+    const auto listed = write_file(options.landmarks, format_landmarks(result->landmarks));
+    if (!listed) {
+      return tl::unexpected(CommandError{listed.error().message + '\n', EX_CANTCREAT});
+    }
+  }
   print(*result, *evaluation, options.out);
   const bool is_compared = !*evaluation || !has_nothing_in_common(**evaluation);
   return is_compared && !is_incomplete(*result) ? EX_OK : EX_DATAERR;
@@ -192,6 +199,9 @@ void add_replay(CLI::App& app, CommandResult& result) {
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   verb->add_option("--out", options->out, "folder for the results")->required()->type_name("DIR");
+  verb->add_option("--landmarks", options->landmarks,
+                   "write the landmarks that were found in the readings as a list, which replay takes, too")
+      ->type_name("FILE");
   verb->add_flag("--no-times", options->no_times,
                  "cut no search by the deadline and leave the measured milliseconds out of fixes.csv: the "
                  "same input gives "

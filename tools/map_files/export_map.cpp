@@ -44,6 +44,12 @@ Json coordinates(const core::Point2& point_W, const std::optional<MapEarth>& ear
   return {rounded(place.longitude_deg, kDegreeDecimals), rounded(place.latitude_deg, kDegreeDecimals)};
 }
 
+/// Null when it is not known.
+Json sigma_json(const core::MapLandmark& landmark) {
+  return landmark.sigma_m > 0.0F ? Json(rounded(static_cast<double>(landmark.sigma_m), kMetreDecimals))
+                                 : Json();
+}
+
 Json landmark_feature(const MapFile& map, std::size_t i, const std::optional<MapEarth>& earth) {
   const core::MapLandmark& landmark = map.landmarks[i];
   const core::Point2& point_W = map.positions_W[i];
@@ -53,6 +59,7 @@ Json landmark_feature(const MapFile& map, std::size_t i, const std::optional<Map
            {{"kind", "landmark"},
             {"id", landmark.id},
             {"xi", landmark.xi},
+            {"sigma_m", sigma_json(landmark)},
             {"sightings", landmark.sightings},
             {"first_scan", landmark.first_scan},
             {"last_scan", landmark.last_scan},
@@ -115,9 +122,15 @@ void append_metres(std::string& out, const core::Point2& point_W) {
   append_fixed(out, point_W.y(), kMetreDecimals);
 }
 
+/// Empty when it is not known.
+std::string sigma_text(const core::MapLandmark& landmark) {
+  return landmark.sigma_m > 0.0F ? fixed_text(static_cast<double>(landmark.sigma_m), kMetreDecimals)
+                                 : std::string();
+}
+
 std::string csv(const MapFile& map) {
   const std::optional<MapEarth> earth = earth_of(map);
-  std::string out = "kind,id,x_m,y_m,heading_deg,xi,sightings,first_scan,last_scan";
+  std::string out = "kind,id,x_m,y_m,heading_deg,xi,sightings,first_scan,last_scan,sigma_m";
   out += earth ? ",latitude_deg,longitude_deg\n" : "\n";
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     const core::MapLandmark& landmark = map.landmarks[i];
@@ -131,6 +144,7 @@ std::string csv(const MapFile& map) {
       out += ',';
       append_integer(out, number);
     }
+    out += ',' + sigma_text(landmark);
     append_place(out, map.positions_W[i], earth);
   }
   for (const core::PathPose& pose : map.path) {
@@ -138,7 +152,7 @@ std::string csv(const MapFile& map) {
     out += "pose," + scan + ',';
     append_metres(out, pose.pose_W.translation());
     out += ',' + fixed_text(pose.pose_W.heading_rad / core::kDegree, 3) + ',' + std::to_string(pose.xi) +
-           ",," + scan + ',' + scan;
+           ",," + scan + ',' + scan + ',';
     append_place(out, pose.pose_W.translation(), earth);
   }
   return out;
@@ -156,9 +170,10 @@ std::string attributes(const EarthPoint& place) {
 }
 
 std::string landmark_words(const core::MapLandmark& landmark) {
-  return "xi " + std::to_string(landmark.xi) + ", " + std::to_string(landmark.sightings) +
-         " sightings, scans " + std::to_string(landmark.first_scan) + " to " +
-         std::to_string(landmark.last_scan);
+  const std::string sigma = sigma_text(landmark);
+  return "xi " + std::to_string(landmark.xi) + ", " + (sigma.empty() ? "" : "sigma " + sigma + " m, ") +
+         std::to_string(landmark.sightings) + " sightings, scans " + std::to_string(landmark.first_scan) +
+         " to " + std::to_string(landmark.last_scan);
 }
 
 void append_named(std::string& out, const std::string& name) {
@@ -180,7 +195,10 @@ std::string gpx(const MapFile& map, const MapEarth& earth) {
     append_named(out, "landmark " + std::to_string(landmark.id));
     out += "<desc>" + landmark_words(landmark) + "</desc><type>landmark</type><extensions><slamsensor:xi>" +
            std::to_string(landmark.xi) + "</slamsensor:xi><slamsensor:sightings>" +
-           std::to_string(landmark.sightings) + "</slamsensor:sightings></extensions></wpt>\n";
+           std::to_string(landmark.sightings) + "</slamsensor:sightings>" +
+           (landmark.sigma_m > 0.0F ? "<slamsensor:sigma_m>" + sigma_text(landmark) + "</slamsensor:sigma_m>"
+                                    : "") +
+           "</extensions></wpt>\n";
   }
   if (!map.path.empty()) {
     out += "<trk><name>path</name><trkseg>\n";
@@ -205,11 +223,14 @@ std::string kml(const MapFile& map, const MapEarth& earth) {
     const core::MapLandmark& landmark = map.landmarks[i];
     out += "<Placemark>";
     append_named(out, std::to_string(landmark.id));
-    out += "<description>" + landmark_words(landmark) +
-           "</description><ExtendedData><Data name=\"xi\"><value>" + std::to_string(landmark.xi) +
-           "</value></Data><Data name=\"sightings\"><value>" + std::to_string(landmark.sightings) +
-           "</value></Data></ExtendedData><Point><coordinates>" +
-           kml_coordinates(earth.on_earth(map.positions_W[i])) + "</coordinates></Point></Placemark>\n";
+    out +=
+        "<description>" + landmark_words(landmark) + "</description><ExtendedData><Data name=\"xi\"><value>" +
+        std::to_string(landmark.xi) + "</value></Data><Data name=\"sightings\"><value>" +
+        std::to_string(landmark.sightings) + "</value></Data>" +
+        (landmark.sigma_m > 0.0F ? "<Data name=\"sigma_m\"><value>" + sigma_text(landmark) + "</value></Data>"
+                                 : "") +
+        "</ExtendedData><Point><coordinates>" + kml_coordinates(earth.on_earth(map.positions_W[i])) +
+        "</coordinates></Point></Placemark>\n";
   }
   out += "</Folder>\n";
   if (map.path.size() >= 2) {

@@ -139,13 +139,32 @@ void append_row(std::string& out, const MapRow& row) {
     out += ',';
     append_integer(out, scan);
   }
+  out += ',';
+  if (row.sigma_m > 0.0) append_fixed(out, row.sigma_m, 4);
   out += '\n';
 }
 
 }  // namespace
 
+std::string format_landmarks(std::span<const ScanRows> scans) {
+  std::string out = "scan,x_m,y_m,weight\n";
+  for (const ScanRows& scan : scans) {
+    for (const core::ScanLandmark& landmark : scan.landmarks) {
+      append_integer(out, scan.scan);
+      out += ',';
+      append_fixed(out, landmark.position_L.x(), 6);
+      out += ',';
+      append_fixed(out, landmark.position_L.y(), 6);
+      out += ',';
+      append_shortest(out, landmark.weight);
+      out += '\n';
+    }
+  }
+  return out;
+}
+
 std::string format_map(std::span<const MapRow> rows) {
-  std::string out = "id,x_m,y_m,xi,sightings,first_scan,last_scan\n";
+  std::string out = "id,x_m,y_m,xi,sightings,first_scan,last_scan,sigma_m\n";
   for (const MapRow& row : rows) append_row(out, row);
   return out;
 }
@@ -271,7 +290,7 @@ std::vector<MapRow> map_rows(const MapFile& map) {
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     const core::MapLandmark& landmark = map.landmarks[i];
     rows.push_back({landmark.id, map.positions_W[i], landmark.xi, landmark.sightings, landmark.first_scan,
-                    landmark.last_scan});
+                    landmark.last_scan, static_cast<double>(landmark.sigma_m)});
   }
   return rows;
 }

@@ -2,6 +2,7 @@
 
 #include "core/fix.hpp"
 #include "core/geometry/pose2.hpp"
+#include "core/landmark.hpp"
 #include "firmware/store/map_file.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/output/text_output.hpp"
@@ -41,6 +42,15 @@ enum class MeasuredTimes : std::uint8_t { Written, Empty };
                                                           std::span<const FixRow> rows,
                                                           MeasuredTimes times = MeasuredTimes::Written);
 
+/// The landmarks of one scan, heaviest first.
+struct ScanRows {
+  std::int64_t scan = 0;  ///< FixRow::scan
+  std::vector<core::ScanLandmark> landmarks;
+};
+
+/// A landmark list, as a replay takes it: `scan,x_m,y_m,weight`, metres with 6 decimals.
+[[nodiscard]] std::string format_landmarks(std::span<const ScanRows> scans);
+
 /// A landmark of the map as map.csv holds it.
 struct MapRow {
   std::uint64_t id = 0;
@@ -49,10 +59,11 @@ struct MapRow {
   std::uint32_t sightings = 0;                     ///< scans that matched it, the one that found it included
   std::int64_t first_scan = 0;
   std::int64_t last_scan = 0;
+  double sigma_m = 0.0;  ///< of its place in the map's frame, along each axis; 0: not known
 };
 
-/// The whole of map.csv: the heading `id,x_m,y_m,xi,sightings,first_scan,last_scan` and a line per row, in
-/// the order given, metres with 6 decimals.
+/// The whole of map.csv: the heading `id,x_m,y_m,xi,sightings,first_scan,last_scan,sigma_m` and a line per
+/// row, in the order given, metres with 6 decimals.
 [[nodiscard]] std::string format_map(std::span<const MapRow> rows);
 
 /// `path` holds `format_map(rows)`, or is as it was and the error says why.

@@ -75,6 +75,9 @@ const FixRow& ReplayRun::add(std::int64_t number, double t_s,
   row.fix = localise(deadline_from(begin));
   row.milliseconds =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  if (const auto found = pipeline_.slam().scan_landmarks(); !found.empty()) {
+    result_.landmarks.push_back({number, {found.begin(), found.end()}});
+  }
   scans_[row.fix.scan] = {number, t_s};  // after a reset the scans are counted anew
   return result_.rows.emplace_back(row);
 }
@@ -92,8 +95,8 @@ void ReplayRun::take_map(const core::Slam& slam) {
   const std::uint32_t last_in_map = map.path.empty() ? 0 : map.path.back().scan;
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     const core::MapLandmark& l = map.landmarks[i];
-    result_.map.push_back(
-        {l.id, map.positions_W[i], l.xi, l.sightings, number_of(l.first_scan), number_of(l.last_scan)});
+    result_.map.push_back({l.id, map.positions_W[i], l.xi, l.sightings, number_of(l.first_scan),
+                           number_of(l.last_scan), static_cast<double>(l.sigma_m)});
     result_.matched.push_back(l.last_scan == last_in_map && l.first_scan != last_in_map);
   }
   for (const core::PathPose& pose : map.path) {
@@ -134,6 +137,7 @@ Replay joined(Replay first, Replay second) {
     list.insert(list.begin(), std::make_move_iterator(before.begin()), std::make_move_iterator(before.end()));
   };
   put_before(second.rows, first.rows);
+  put_before(second.landmarks, first.landmarks);
   put_before(second.refused, first.refused);
   put_before(second.notes, first.notes);
   second.is_damaged = second.is_damaged || first.is_damaged;

@@ -23,9 +23,10 @@ namespace slamsensor::tools {
 
 /// What a run over recorded scans gave.
 struct Replay {
-  std::vector<FixRow> rows;     ///< one per scan that could be read, in order
-  std::vector<MapRow> map;      ///< the home map at the end
-  std::vector<bool> matched;    ///< per landmark of `map`: by the last scan that has a fix
+  std::vector<FixRow> rows;         ///< one per scan that could be read, in order
+  std::vector<ScanRows> landmarks;  ///< that the detector found, per row of a scan of readings
+  std::vector<MapRow> map;          ///< the home map at the end
+  std::vector<bool> matched;        ///< per landmark of `map`: by the last scan that has a fix
   std::vector<TimedPose> path;  ///< scans of the run that are in the home map at the end, as it then stands
   core::MapsSummary maps;       ///< at the end
   std::vector<std::string> refused;  ///< messages of the scans that could not be read

@@ -165,7 +165,8 @@ void SensorStory::on_map(const firmware::MapMessage& message) {
                            message.id[i],
                            message.xi[i],
                            message.sightings[i],
-                           message.last_scan[i]});
+                           message.last_scan[i],
+                           std::isfinite(message.sigma_m[i]) ? std::max(0.0, message.sigma_m[i]) : 0.0});
     }
   }
   set_chunk(message.chunk, std::move(landmarks));
@@ -185,7 +186,8 @@ void SensorStory::on_map_file(const firmware::MapFile& map) {
       const core::MapLandmark& landmark = map.landmarks[i];
       landmarks.push_back({map.positions_W[i], landmark.id, static_cast<std::int32_t>(landmark.xi),
                            static_cast<std::int32_t>(landmark.sightings),
-                           static_cast<std::int32_t>(landmark.last_scan)});
+                           static_cast<std::int32_t>(landmark.last_scan),
+                           static_cast<double>(landmark.sigma_m)});
     }
     set_chunk(static_cast<std::int32_t>(first / kEach), std::move(landmarks));
   }

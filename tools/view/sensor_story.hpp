@@ -56,6 +56,7 @@ struct StoryLandmark {
   std::int32_t xi = 0;
   std::int32_t sightings = 0;
   std::int32_t last_scan = 0;
+  double sigma_m = 0.0;  ///< 0: not known
 
   [[nodiscard]] bool operator==(const StoryLandmark&) const = default;
 };
@@ -86,7 +87,7 @@ class SensorStory {
  public:
   static constexpr std::size_t kPathMax = 5000;
   static constexpr std::size_t kEventsMax = 500;
-  static constexpr std::int32_t kMapChunksMax = 3000;  ///< 108,000 landmarks; more are not shown
+  static constexpr std::int32_t kMapChunksMax = 3000;  ///< 90,000 landmarks; more are not shown
   static constexpr std::size_t kLocalMapsMax = 16;
   static constexpr std::size_t kLocalLandmarksMax = 2000;
 

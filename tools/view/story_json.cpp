@@ -155,7 +155,7 @@ Json counters_json(const SensorStory& story) {
 /// An array per property: a third of the bytes of an object per landmark.
 Json chunk_json(const StoryChunk& chunk) {
   Json out;
-  for (const char* const property : {"x", "y", "id", "xi", "sightings"}) {
+  for (const char* const property : {"x", "y", "id", "xi", "sightings", "sigma"}) {
     out[property] = Json::array();
   }
   for (const StoryLandmark& landmark : chunk.landmarks) {
@@ -164,6 +164,7 @@ Json chunk_json(const StoryChunk& chunk) {
     out["id"].push_back(landmark.id);
     out["xi"].push_back(landmark.xi);
     out["sightings"].push_back(landmark.sightings);
+    out["sigma"].push_back(metres(landmark.sigma_m));
   }
   return out;
 }

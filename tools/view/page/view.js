@@ -708,7 +708,7 @@ function takeMap(map) {
   story.chunks.length = map.chunks;
   for (const [number, chunk] of Object.entries(map.set)) story.chunks[number] = chunk;
   story.map = noLandmarks();
-  for (const chunk of story.chunks) if (chunk) for (const name of PROPERTIES) story.map[name].push(...(chunk[name] || []));
+  for (const chunk of story.chunks) if (chunk) for (const name of PROPERTIES) story.map[name].push(...chunk[name]);
   story.map_stamp = (story.map_stamp || 0) + 1;
   const known = story.map.sigma.filter((sigma) => sigma > 0).sort((a, b) => a - b);
   story.sigma_median = known[known.length >> 1];

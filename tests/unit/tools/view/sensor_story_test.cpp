@@ -85,6 +85,7 @@ firmware::MapMessage map_chunk(std::int32_t chunk, double x_m) {
   message.chunks = 2;
   message.count = chunk == 0 ? static_cast<std::int32_t>(firmware::kMapChunkLandmarks) : 1;
   message.x_m[0] = x_m;
+  message.sigma_m[0] = 0.25;
   return message;
 }
 
@@ -95,6 +96,7 @@ TEST_F(SensorStoryTest, OfAMapOnlyWhatHasChangedIsTold) {
   const nlohmann::json first = story_json(story, now_us, cursor);
   EXPECT_EQ(first["map"]["chunks"], 2);
   EXPECT_EQ(first["map"]["set"].size(), 2U);
+  EXPECT_EQ(first["map"]["set"]["1"]["sigma"][0], 0.25);
   send(map_chunk(0, 1.0));
   send(map_chunk(1, 2.0));
   EXPECT_FALSE(story_json(story, now_us, cursor).contains("map")) << "the same again";
