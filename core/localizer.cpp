@@ -15,4 +15,10 @@ bool Localizer::set_map(std::span<const Point2> map_W) noexcept {
   return is_sound;
 }
 
+MapCheck Localizer::restore(const MapState& state) noexcept {
+  const MapCheck check = atlas_.restore(state);
+  atlas_.set_frozen(Frozen::Yes);
+  return check;
+}
+
 }  // namespace slamsensor::core

@@ -16,9 +16,13 @@ class Localizer {
  public:
   Localizer(Arena& arena, const Config& config) noexcept : atlas_(arena, config) {}
 
-  /// Makes `map_W` (m) the map. False, and the map is empty, when it exceeds capacities.map_landmarks or
-  /// holds a point that is not finite or out of reach.
+  /// Makes `map_W` (m), a survey that leaves nothing out, the map. False, and the map is empty, when it
+  /// exceeds capacities.map_landmarks or holds a point that is not finite or out of reach.
   [[nodiscard]] bool set_map(std::span<const Point2> map_W) noexcept;
+
+  /// Makes `state` the map, as Slam::restore does: a survey only where it says that it is one. With a flaw
+  /// the map is as it was.
+  [[nodiscard]] MapCheck restore(const MapState& state) noexcept;
 
   /// The fix of a scan (heaviest landmarks first). `pose_W`, `matches` and the covariance are those of the
   /// best candidate, whatever the status.

@@ -76,7 +76,11 @@ class Atlas {
   /// Makes landmarks that somebody else surveyed (W, m, on the lattice) the home map. False, and the map is
   /// empty, when they are more than there is room for.
   [[nodiscard]] bool take_survey(std::span<const Point2> landmarks_W) noexcept;
-  void set_frozen(Frozen frozen) noexcept { frozen_ = frozen; }
+  /// A survey that may grow is a survey no more: what it leaves out may be there.
+  void set_frozen(Frozen frozen) noexcept {
+    frozen_ = frozen;
+    is_surveyed_ = is_surveyed_ && frozen == Frozen::Yes;
+  }
   [[nodiscard]] Frozen frozen() const noexcept { return frozen_; }
 
   /// All of the home map that cannot be computed again, into `room`, whose spans are at least as long as the
@@ -166,8 +170,8 @@ class Atlas {
   Rates rates_;
   std::array<MapEntry, kMapsMax> maps_{};
   MapSlot home_ = kNoMap;
-  bool is_surveyed_ = false;
-  Pose2 learned_at_;  // in the map of the last scan that the rates were learned from
+  bool is_surveyed_ = false;  // frozen, and complete
+  Pose2 learned_at_;          // in the map of the last scan that the rates were learned from
   MapSlot learned_in_ = kNoMap;
   bool learns_ = true;
   bool has_fixed_ = false;          // in the present home map

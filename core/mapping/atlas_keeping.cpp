@@ -10,9 +10,22 @@
 #include <optional>
 
 namespace slamsensor::core {
+namespace {
+
+constexpr std::uint32_t kSurveyed = 10;  // sightings that a surveyed place counts as
+
+/// A survey leaves out nothing beside a landmark.
+void look_about(const Point2& landmark_W, ExploredGround& ground) noexcept {
+  for (const double dy : {-kSurveyedAbout_m, 0.0, kSurveyedAbout_m}) {
+    for (const double dx : {-kSurveyedAbout_m, 0.0, kSurveyedAbout_m}) {
+      ground.look(0, landmark_W + Point2(dx, dy), 0.9);
+    }
+  }
+}
+
+}  // namespace
 
 bool Atlas::take_survey(std::span<const Point2> landmarks_W) noexcept {
-  constexpr std::uint32_t kSurveyed = 10;  // sightings that a surveyed place counts as
   reset();
   if (landmarks_W.size() > config_.capacities.map_landmarks) {
     return false;
@@ -28,12 +41,7 @@ bool Atlas::take_survey(std::span<const Point2> landmarks_W) noexcept {
     graph_.landmark(slot).file_sigma_m = 0.0F;
     ++maps_[0].landmarks;
     ++maps_[0].confirmed;
-    for (const double dy :
-         {-kSurveyedAbout_m, 0.0, kSurveyedAbout_m}) {  // a survey leaves out nothing beside a landmark
-      for (const double dx : {-kSurveyedAbout_m, 0.0, kSurveyedAbout_m}) {
-        ground_.look(0, p_W + Point2(dx, dy), 0.9);
-      }
-    }
+    look_about(p_W, ground_);
   }
   is_surveyed_ = true;
   probe_structure();
@@ -96,6 +104,7 @@ MapState Atlas::copy_home(const MapRoom& room) const noexcept {
   state.next_id = graph_.next_id();
   state.landmarks_evicted = landmarks_evicted_;
   state.path_thinnings = graph_.poses_folded();
+  state.is_surveyed = is_surveyed_;
   if (home_ == kNoMap) {
     return state;
   }
@@ -165,16 +174,21 @@ MapCheck Atlas::restore(const MapState& state) noexcept {
     GraphLandmark& l = graph_.landmark(slot);
     l.last_scan = from.last_scan;
     l.parents = from.parents;
-    graph_.standing(slot) = {from.sightings, std::max(from.chances, from.sightings)};
-    graph_.set_prior(slot, from.sightings);
+    const std::uint32_t sightings = state.is_surveyed ? std::max(from.sightings, kSurveyed) : from.sightings;
+    graph_.standing(slot) = {sightings, std::max(from.chances, sightings)};
+    graph_.set_prior(slot, sightings);
     l.file_sigma_m = from.sigma_m;
     ++entry.landmarks;
-    entry.confirmed += from.sightings >= 2 ? 1 : 0;
-    // Where landmarks are, somebody looked.
-    ground_.look(0, state.positions_W[i], 0.9);
+    entry.confirmed += sightings >= 2 ? 1 : 0;
+    if (state.is_surveyed) {
+      look_about(state.positions_W[i], ground_);
+    } else {
+      ground_.look(0, state.positions_W[i], 0.9);  // where landmarks are, somebody looked
+    }
   }
   graph_.set_next_id(state.next_id);
   landmarks_evicted_ = state.landmarks_evicted;
+  is_surveyed_ = state.is_surveyed;
   probe_structure();
   return check;
 }

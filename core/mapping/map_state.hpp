@@ -34,6 +34,7 @@ struct MapState {
   std::uint64_t path_thinnings = 0;     ///< as in Hypothesis
   std::uint32_t next_id = 0;            ///< of the next new landmark
   std::uint32_t scans = 0;              ///< processed so far; the number of the next one
+  bool is_surveyed = false;             ///< somebody else measured all landmarks: the map is complete
 };
 
 /// Where a map is copied to.

@@ -46,11 +46,12 @@ bool take_info(ByteReader& in, MapFile& map) {
   about.method.landmarks_max = in.take<std::uint32_t>();
   const auto flags = in.take<std::uint8_t>();
   about.frozen = (flags & kInfoFrozen) != 0;
+  map.numbers.is_surveyed = about.frozen && (flags & kInfoSurveyed) != 0;
   if ((flags & kInfoHasDatum) != 0) {
     about.datum = take_datum(in);
   }
   about.name = in.take_text();
-  return flags <= (kInfoHasDatum | kInfoFrozen) && !in.overran() && in.left() == 0;
+  return flags <= (kInfoHasDatum | kInfoFrozen | kInfoSurveyed) && !in.overran() && in.left() == 0;
 }
 
 /// What in `about` cannot be; empty when all can.
@@ -61,9 +62,7 @@ std::string impossible(const MapAbout& about) {
   if (!is_utc(about.created_utc_s) || !is_utc(about.saved_utc_s)) {
     return "a time is not between the years 1970 and 9999";
   }
-  if (const std::optional<Datum>& d = about.datum;
-      d && !(std::abs(d->latitude_deg) <= 90.0 && std::abs(d->longitude_deg) <= 180.0 &&
-             std::isfinite(d->height_m) && std::isfinite(d->bearing_deg))) {
+  if (about.datum && !is_on_earth(*about.datum)) {
     return "the datum is no place on the earth";
   }
   return {};
@@ -166,6 +165,11 @@ std::string_view tag_of(MapSection section) {
   return kMapSectionTags[static_cast<std::size_t>(section)];
 }
 
+std::uint8_t flags_of(const MapAbout& about, const core::MapState& state) {
+  return static_cast<std::uint8_t>((about.datum ? kInfoHasDatum : 0) | (about.frozen ? kInfoFrozen : 0) |
+                                   (about.frozen && state.is_surveyed ? kInfoSurveyed : 0));
+}
+
 Bytes info_record(const MapAbout& about, const core::MapState& state) {
   Bytes record;
   ByteWriter out(record);
@@ -182,7 +186,7 @@ Bytes info_record(const MapAbout& about, const core::MapState& state) {
   out.put(about.method.bearing_step_rad);
   out.put(about.method.depth);
   out.put(about.method.landmarks_max);
-  out.put(static_cast<std::uint8_t>((about.datum ? kInfoHasDatum : 0) | (about.frozen ? kInfoFrozen : 0)));
+  out.put(flags_of(about, state));
   if (about.datum) {
     out.put(about.datum->latitude_deg);
     out.put(about.datum->longitude_deg);
@@ -329,6 +333,12 @@ tl::expected<MapFile, MapFileError> decode_map(std::span<const std::uint8_t> byt
                   reason + ": the map was not written by slamsensor; use an earlier copy of it");
   }
   return map;
+}
+
+bool is_on_earth(const Datum& datum) noexcept {
+  return std::abs(datum.latitude_deg) <= 90.0 && std::abs(datum.longitude_deg) <= 180.0 &&
+         datum.height_m >= kDatumHeightMin_m && datum.height_m <= kDatumHeightMax_m &&
+         std::abs(datum.bearing_deg) <= 360.0;
 }
 
 core::MapState MapFile::state() const {

@@ -46,6 +46,14 @@ struct MapFile {
   [[nodiscard]] core::MapState state() const;
 };
 
+/// The height of a datum, m: that of the setting datum.height_m.
+inline constexpr double kDatumHeightMin_m = -1000.0;
+inline constexpr double kDatumHeightMax_m = 10'000.0;
+
+/// Whether the four numbers of `datum` can be those of a place on the earth: latitude, longitude and height
+/// as in the settings, the bearing within a turn in either direction.
+[[nodiscard]] bool is_on_earth(const Datum& datum) noexcept;
+
 /// Why bytes are not taken for a map.
 enum class MapProblem : std::uint8_t {
   Foreign,   ///< something else, or nothing

@@ -30,9 +30,9 @@ namespace slamsensor::firmware {
 ///   records
 /// INFO (one record)  saves u64, created and saved i64 (s since 1970 UTC), weight u64, evicted
 ///                    u64, thinnings u64, next id u32, scans u32, tolerance, range step, bearing step f64,
-///                    depth u32, landmarks_max u32, flags u8 (1 it has a datum, 2 it is marked frozen),
-///                    the datum if it has one (latitude, longitude deg, height m, bearing deg f64), name
-///                    (length u16, characters)
+///                    depth u32, landmarks_max u32, flags u8 (1 it has a datum, 2 it is marked frozen, 4 it
+///                    is a survey, which is frozen too), the datum if it has one (latitude, longitude deg,
+///                    height m, bearing deg f64), name (length u16, characters)
 /// LAND (a landmark)  id, xi, parents (3), sightings, chances, first and last scan u32, x, y f64, sigma f32
 /// PATH (a pose)      scan u32, xi u32, x, y, heading f64
 ///
@@ -53,6 +53,7 @@ inline constexpr std::size_t kMapNameMax = 64;
 /// Flags of INFO.
 inline constexpr std::uint8_t kInfoHasDatum = 1;
 inline constexpr std::uint8_t kInfoFrozen = 2;
+inline constexpr std::uint8_t kInfoSurveyed = 4;
 
 enum class MapSection : std::uint8_t { Info, Landmarks, Path };
 inline constexpr std::array<std::string_view, 3> kMapSectionTags{"INFO", "LAND", "PATH"};

@@ -2,8 +2,8 @@
 
 #include "core/graph/lattice.hpp"
 #include "tools/input/csv.hpp"
+#include "tools/input/places.hpp"
 #include "tools/input/text.hpp"
-
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -14,7 +14,6 @@
 #include <iterator>
 #include <limits>
 #include <set>
-#include <unordered_map>
 #include <utility>
 
 namespace slamsensor::tools {
@@ -403,34 +402,6 @@ firmware::Datum middle_of(const std::vector<SurveyPoint>& points) {
   return datum;
 }
 
-/// Finds a point that stands where another one does already.
-class Places {
- public:
-  bool is_new(const core::Point2& point) {
-    const auto cell_x = std::llround(std::floor(point.x() / kOnePlace_m));
-    const auto cell_y = std::llround(std::floor(point.y() / kOnePlace_m));
-    for (std::int64_t dx = -1; dx <= 1; ++dx) {
-      for (std::int64_t dy = -1; dy <= 1; ++dy) {
-        const auto found = points_.find({cell_x + dx, cell_y + dy});
-        if (found != points_.end() && (found->second - point).norm() < kOnePlace_m) {
-          return false;
-        }
-      }
-    }
-    points_.try_emplace({cell_x, cell_y}, point);
-    return true;
-  }
-
- private:
-  struct Hash {
-    std::size_t operator()(const std::pair<std::int64_t, std::int64_t>& cell) const {
-      const std::uint64_t mixed = static_cast<std::uint64_t>(cell.first) * 0x9E3779B97F4A7C15U;
-      return std::hash<std::uint64_t>()(mixed ^ static_cast<std::uint64_t>(cell.second));
-    }
-  };
-  std::unordered_map<std::pair<std::int64_t, std::int64_t>, core::Point2, Hash> points_;
-};
-
 bool have_own_ids(const std::vector<SurveyPoint>& points) {
   std::set<std::int64_t> ids;
   return std::all_of(points.begin(), points.end(), [&](const SurveyPoint& point) {
@@ -456,6 +427,7 @@ tl::expected<SurveyMap, InputError> map_of_survey(const Survey& survey, std::str
   firmware::MapAbout& about = made.map.about;
   about.datum = wishes.datum ? wishes.datum : survey.datum;
   about.frozen = wishes.frozen;
+  made.map.numbers.is_surveyed = wishes.frozen;
   if (!is_local && !about.datum) {
     about.datum = middle_of(survey.points);
     made.is_datum_of_points = true;
@@ -465,7 +437,7 @@ tl::expected<SurveyMap, InputError> map_of_survey(const Survey& survey, std::str
     earth.emplace(*about.datum);
   }
   made.are_ids_kept = have_own_ids(survey.points);
-  Places places;
+  Places places(kOnePlace_m);
   std::vector<std::pair<std::uint32_t, core::Point2>> landmarks;
   for (const SurveyPoint& point : survey.points) {
     const core::Point2 point_W = is_local ? point.local_m - wishes.origin_m : earth->in_map(point.place);

@@ -278,7 +278,8 @@ std::string map_info_text(const MapFile& map, std::size_t bytes) {
   line(text, "path", std::to_string(map.path.size()) + " poses");
   line(text, "method", method_text(map.about.method));
   line(text, "mode",
-       map.about.frozen ? "marked frozen: a sensor localises in it and does not change it"
+       map.about.frozen ? std::string("marked frozen: a sensor localises in it and does not change it") +
+                              (map.numbers.is_surveyed ? "; a survey, which leaves nothing out" : "")
                         : "a sensor may change it");
   line(text, "datum", map.about.datum ? datum_text(*map.about.datum) : "none");
   return text;

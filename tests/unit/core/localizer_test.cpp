@@ -83,6 +83,62 @@ TEST_P(LocalizerBySearch, TwoCopiesOfAPlaceAreAmbiguous) {
   EXPECT_EQ(fix.reason, FixReason::Symmetric);
 }
 
+/// The map that a sensor made of `forest`, or that somebody surveyed, as a file keeps it.
+struct Kept {
+  explicit Kept(const Forest& forest) : positions_W(forest.trees_W) {
+    for (std::size_t i = 0; i < positions_W.size(); ++i) {
+      MapLandmark landmark;
+      landmark.id = static_cast<std::uint32_t>(i);
+      landmark.sightings = landmark.chances = 5;
+      landmarks.push_back(landmark);
+    }
+  }
+  MapState state(bool is_surveyed) const {
+    MapState state;
+    state.landmarks = landmarks;
+    state.positions_W = positions_W;
+    state.next_id = static_cast<std::uint32_t>(landmarks.size());
+    state.scans = 1;
+    state.is_surveyed = is_surveyed;
+    return state;
+  }
+
+  std::vector<Point2> positions_W;
+  std::vector<MapLandmark> landmarks;
+};
+
+// A map that a sensor made of a part of the world was taken for all of it: a copse just like one in it, and
+// never mapped, was a fix there.
+TEST_P(LocalizerBySearch, AMapThatASensorMadeLeavesRoomForACopyOutsideOfIt) {
+  Draw draw(25);
+  const Forest copse = tests::make_forest(10, draw);
+  const Kept kept(copse);
+  const auto scan = tests::scan_forest(copse, {1.0, 2.0, 0.4}, {}, draw);
+  ASSERT_TRUE(localizer->restore(kept.state(true)).ok());
+  EXPECT_EQ(locate(scan).status, FixStatus::Fix) << "a survey leaves nothing out";
+  ASSERT_TRUE(localizer->restore(kept.state(false)).ok());
+  const Fix driven = locate(scan);
+  EXPECT_EQ(driven.status, FixStatus::Ambiguous);
+  EXPECT_EQ(driven.reason, FixReason::Copy);
+}
+
+TEST_P(LocalizerBySearch, ASurveyThatIsRestoredIsTheSurvey) {
+  Draw draw(22);
+  const Forest forest = tests::make_forest(60, draw);
+  const Kept kept(forest);
+  for (int i = 0; i < 5; ++i) {
+    const auto scan = tests::scan_forest(forest, tests::pose_in(forest, draw), {}, draw);
+    ASSERT_TRUE(localizer->set_map(forest.trees_W));
+    const Fix given = locate(scan);
+    ASSERT_TRUE(localizer->restore(kept.state(true)).ok());
+    const Fix restored = locate(scan);
+    EXPECT_EQ(given.status, restored.status) << i;
+    EXPECT_EQ(given.pose_W.x_m, restored.pose_W.x_m) << i;
+    EXPECT_EQ(given.expected_false_alarms, restored.expected_false_alarms) << i;
+  }
+  EXPECT_FALSE(localizer->restore(MapState{}).ok());
+}
+
 // A plantation looks the same one row on.
 TEST_P(LocalizerBySearch, RowsAreNeverAFix) {
   Draw draw(16);

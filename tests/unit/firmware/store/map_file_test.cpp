@@ -1,5 +1,6 @@
 #include "firmware/store/map_file.hpp"
 
+#include "firmware/control/control_request.hpp"
 #include "firmware/store/map_frame.hpp"
 #include "firmware/store/map_names.hpp"
 #include "tests/support/forest.hpp"
@@ -8,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <string>
 
@@ -68,6 +70,45 @@ TEST(MapFile, AMapMarkedFrozenIsElseTheSame) {
   expect_same_about(map->about, sample.about);
   EXPECT_TRUE(same_bytes(map->landmarks, sample.landmarks));
   EXPECT_TRUE(same_bytes(map->path, sample.path));
+}
+
+// A survey that a sensor loaded, or `locate`, was a map like any other, and a driven map a survey.
+TEST(MapFile, ASurveyIsMarkedWhereItIsFrozenAndNoOlderFileIsOne) {
+  MapFile sample = tests::sample_map();
+  sample.about.frozen = true;
+  sample.numbers.is_surveyed = true;
+  const auto survey = decode_map(encode_map(sample.about, sample.state()), unlimited_capacities());
+  ASSERT_TRUE(survey) << survey.error().message;
+  EXPECT_TRUE(survey->about.frozen);
+  EXPECT_TRUE(survey->state().is_surveyed);
+  sample.about.frozen = false;
+  const auto grown = decode_map(encode_map(sample.about, sample.state()), unlimited_capacities());
+  ASSERT_TRUE(grown) << grown.error().message;
+  EXPECT_FALSE(grown->state().is_surveyed) << "what may grow leaves something out";
+  for (const auto& golden : {tests::kGoldenMap, tests::kGoldenFrozenMap}) {
+    const auto old = decode_map(tests::from_hex(golden), unlimited_capacities());
+    ASSERT_TRUE(old) << old.error().message;
+    EXPECT_FALSE(old->state().is_surveyed);
+  }
+}
+
+TEST(MapFile, ADatumIsAPlaceThatTheSettingsCanHaveToo) {
+  MapFile sample = tests::sample_map();
+  const auto loads = [&](double height_m, double bearing_deg) {
+    sample.about.datum = Datum{10.0, 20.0, height_m, bearing_deg};
+    EXPECT_EQ(is_on_earth(*sample.about.datum),
+              decode_map(encode_map(sample.about, sample.state()), unlimited_capacities()).has_value());
+    return is_on_earth(*sample.about.datum);
+  };
+  for (const double height_m : {-1000.0, 0.0, 10'000.0}) {
+    EXPECT_TRUE(loads(height_m, 90.0));
+    EXPECT_TRUE(parse_control_request("datum set 10 20 " + std::to_string(height_m) + " 90")) << height_m;
+  }
+  for (const double height_m : {-1001.0, 10'001.0, 1e308, -1e308, std::nan(""), HUGE_VAL}) {
+    EXPECT_FALSE(loads(height_m, 90.0));
+    EXPECT_FALSE(parse_control_request("datum set 10 20 " + std::to_string(height_m) + " 90")) << height_m;
+  }
+  EXPECT_FALSE(loads(0.0, 361.0));
 }
 
 TEST(MapFile, TheGoldenFileIsTheSample) {
