@@ -7,10 +7,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <initializer_list>
 #include <numbers>
 #include <string>
 #include <string_view>
+#include <sys/stat.h>
+#include <system_error>
 #include <vector>
 
 namespace slamsensor::firmware {
@@ -225,17 +228,35 @@ void check_rangefinder(Rules& rules) {
                 {"benewake_can.host_id", "benewake_can.host_id_is_extended"}, "has more than 11 bits with");
 }
 
+/// Whether two paths lead to one device: by symbolic links, by `..`, or as two nodes of it.
+bool is_one_device(const std::string& a, const std::string& b) {
+  if (a.empty() || b.empty()) {
+    return false;
+  }
+  std::error_code error;  // what is not plugged in yet has its own name alone
+  if (a == b || std::filesystem::weakly_canonical(a, error) == std::filesystem::weakly_canonical(b, error)) {
+    return true;
+  }
+  struct stat first {};
+  struct stat second {};
+  return ::stat(a.c_str(), &first) == 0 && ::stat(b.c_str(), &second) == 0 && S_ISCHR(first.st_mode) &&
+         S_ISCHR(second.st_mode) && first.st_rdev == second.st_rdev;
+}
+
 void check_ports(Rules& rules) {
   const HeadConfig& head = rules.config().head;
   const std::string& nmea = rules.config().daemon.nmea_serial.path;
   const bool has_pan_tilt = head.pan_tilt == PanTiltKind::Ptu;
   const bool has_rangefinder = head.rangefinder != RangefinderKind::BenewakeCan;
-  rules.require(!has_pan_tilt || !has_rangefinder || head.pan_tilt_port.path != head.rangefinder_port.path,
-                {"pan_tilt_port.path", "rangefinder_port.path"}, "is the same as");
-  rules.require(!has_pan_tilt || nmea != head.pan_tilt_port.path, {"nmea.serial_path", "pan_tilt_port.path"},
-                "is the same as");
-  rules.require(!has_rangefinder || nmea != head.rangefinder_port.path,
-                {"nmea.serial_path", "rangefinder_port.path"}, "is the same as");
+  const std::string& pan_tilt = head.pan_tilt_port.path;
+  const std::string& rangefinder = head.rangefinder_port.path;
+  const std::string what = "is the same as";
+  rules.require(!has_pan_tilt || !has_rangefinder || !is_one_device(pan_tilt, rangefinder),
+                {"pan_tilt_port.path", "rangefinder_port.path"}, what);
+  rules.require(!has_pan_tilt || !is_one_device(nmea, pan_tilt), {"nmea.serial_path", "pan_tilt_port.path"},
+                what);
+  rules.require(!has_rangefinder || !is_one_device(nmea, rangefinder),
+                {"nmea.serial_path", "rangefinder_port.path"}, what);
 }
 
 /// The chosen one of the two, which share their settings; the bus allows less.

@@ -51,6 +51,21 @@ std::span<const std::uint8_t> bytes_of(std::string_view text) noexcept {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
+/// Bytes of the events, of those one after the other in `events`, that end within the first `count` bytes.
+std::size_t whole_events(std::span<const std::uint8_t> events, std::size_t count) {
+  std::size_t end = 0;
+  while (end + kEventHeadBytes <= count) {
+    const auto head = events.subspan(end);
+    const std::size_t size = kEventHeadBytes + read_big_endian<std::uint32_t>(head.subspan(20)) +
+                             read_big_endian<std::uint32_t>(head.subspan(24));
+    if (end + size > count) {
+      break;
+    }
+    end += size;
+  }
+  return end;
+}
+
 }  // namespace
 
 tl::expected<EventLogWriter, hal::InitError> EventLogWriter::create(const std::filesystem::path& path,
@@ -103,6 +118,7 @@ bool EventLogWriter::flush() {
     if (written >= 0) {
       left = left.subspan(static_cast<std::size_t>(written));
     } else if (errno != EINTR) {
+      on_file_ += whole_events(pending_, pending_.size() - left.size());
       fail(errno);
     }
   }

@@ -80,7 +80,7 @@ std::string Recorder::text() const {
       return "recording " + name + " ended: it has reached its largest size; raise record.size_max_mb";
     case RecorderState::Failed:
       return "recording " + name + " ended: " + std::strerror(log_.error()) +
-             "; make room on the disk or record elsewhere";
+             "; what was recorded up to then is kept; make room on the disk or record elsewhere";
     case RecorderState::Closed:
       break;
   }

@@ -5,9 +5,12 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <sys/stat.h>
+#include <unistd.h>
 
 namespace slamsensor::firmware {
 namespace {
@@ -68,6 +71,37 @@ TEST(LoadConfig, ALayerThatBreaksARuleWithAnEarlierOneIsFound) {
             "drop-in.toml:2:16: detection.tilt_min_deg: value 5.0 is above detection.tilt_max_deg = -10.0 "
             "(base.toml:2); "
             "change one of them");
+}
+
+// The laser behind a udev name and the unit behind its /dev/ttyUSB0 were two devices.
+TEST(LoadConfig, ADeviceUnderTwoNamesIsOne) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / ("ports." + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder / "sub");
+  std::ofstream(folder / "tty") << "";
+  std::filesystem::create_symlink("tty", folder / "laser");
+  std::filesystem::create_symlink(folder / "laser", folder / "sub/unit");
+  const auto clashes = [](const std::string& pan_tilt, const std::string& rangefinder,
+                          const std::string& nmea) {
+    LoadedConfig loaded;
+    loaded.config.head.pan_tilt_port.path = pan_tilt;
+    loaded.config.head.rangefinder_port.path = rangefinder;
+    loaded.config.daemon.nmea_serial.path = nmea;
+    const auto errors = check_config(loaded);
+    return std::count_if(errors.begin(), errors.end(), [](const ConfigError& error) {
+      return error.text().find("is the same as") != std::string::npos;
+    });
+  };
+  const std::string tty = folder / "tty";
+  for (const std::string name :
+       {tty, (folder / "laser").string(), (folder / "sub/unit").string(), (folder / "sub/../tty").string()}) {
+    EXPECT_EQ(clashes(tty, name, ""), 1) << name;
+    EXPECT_EQ(clashes(name, "/dev/other", tty), 1) << name;
+    EXPECT_EQ(clashes("/dev/other", name, tty), 1) << name;
+  }
+  EXPECT_EQ(clashes("/dev/null", "/dev/zero", ""), 0);
+  EXPECT_EQ(clashes("/dev/none", "/dev/../dev/none", ""), 1) << "not plugged in yet";
+  EXPECT_EQ(clashes("/dev/none", "/dev/none2", ""), 0);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(LoadConfig, DatumIsWholeOrAbsent) {

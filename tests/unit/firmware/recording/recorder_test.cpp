@@ -5,9 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sys/resource.h>
 #include <unistd.h>
 
 namespace slamsensor::firmware {
@@ -75,6 +77,45 @@ TEST_F(RecorderTest, EndsWithWholeEventsAtItsLargestSize) {
   EXPECT_NE(recorder->text().find("record.size_max_mb"), std::string::npos);
   EXPECT_TRUE(recorder->close());
   EXPECT_EQ(recorder->state(), RecorderState::Full);
+}
+
+/// A disk that is full after so many bytes, for this process.
+class SmallDisk {
+ public:
+  explicit SmallDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit small{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &small);
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+  ~SmallDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
+
+// The disk takes a part of what waits to be written: all of it was cut off again, in a short recording all
+// that there was.
+TEST_F(RecorderTest, OnAFullDiskTheWholeEventsUpToThereAreKept) {
+  auto recorder = Recorder::create({.path = path_});
+  ASSERT_TRUE(recorder);
+  for (int i = 0; i < 20; ++i) {
+    recorder->message(i, "CHANNEL", Bytes(100));
+  }
+  {
+    const SmallDisk disk(1000);
+    recorder->flush();
+  }
+  EXPECT_EQ(recorder->state(), RecorderState::Failed);
+  EXPECT_EQ(recorder->bytes(), 7U * 135U);
+  EXPECT_NE(recorder->text().find("up to then is kept"), std::string::npos) << recorder->text();
+  EXPECT_FALSE(recorder->close());
+  EXPECT_EQ(content().size(), 7U * 135U);
 }
 
 TEST(Recorder, AFullDiskEndsItAndIsReported) {
