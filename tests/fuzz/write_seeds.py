@@ -220,6 +220,15 @@ SEEDS = {
         "more": b"y_m,xi,id,x_m\n1,0,9,2\n",
         "twice": b"id,x_m,y_m\n1,0,0\n1,1,1\n",
     },
+    "survey_geojson": {
+        "points": b'{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"id":1},"geometry":'
+                  b'{"type":"Point","coordinates":[1e-4,2e-4]}},{"type":"Feature","properties":null,"geometry":'
+                  b'{"type":"MultiPoint","coordinates":[[0,0],[3e-4,0]]}}]}',
+        "local": b'{"type":"MultiPoint","crs":null,"coordinates":[[0,0],[10,0],[0,20]]}',
+        "datum": b'{"type":"Feature","slamsensor":{"datum":{"latitude_deg":1,"longitude_deg":2,"height_m":3,'
+                 b'"bearing_deg":90}},"geometry":{"type":"Point","coordinates":[2,1]}}',
+        "wrong": b'{"type":"FeatureCollection","features":{"a":1}}',
+    },
     "tum": {
         "plain": b"# t x y z qx qy qz qw\n1 0 0 0 0 0 0 1\n0.5 1 2 3 0 0 0.70710678 0.70710678\n",
         "bad": b"1 0 0 0 0 0 0 0\n",
