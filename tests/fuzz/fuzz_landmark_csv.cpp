@@ -17,7 +17,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using slamsensor::firmware::LandmarkOrder;
   const slamsensor::core::DetectionConfig detection;
   for (const auto order : {LandmarkOrder::Weight, LandmarkOrder::Diameter, LandmarkOrder::Nearest}) {
-    const auto landmarks = slamsensor::tools::select_landmarks(list->rows, {order, 0.0, 0.0}, detection);
+    const auto landmarks =
+        slamsensor::tools::select_landmarks(list->rows, {order, 0.0, 0.0}, detection).landmarks;
     if (landmarks.size() > detection.landmarks_max) {
       __builtin_trap();
     }

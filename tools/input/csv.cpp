@@ -1,5 +1,6 @@
 #include "tools/input/csv.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -54,6 +55,12 @@ char separator_of(std::string_view header) {
     }
   }
   return ',';
+}
+
+// After the point (or comma) of a number.
+std::size_t decimals_of(std::string_view number) {
+  const std::size_t point = number.find_first_of(".,");
+  return point == std::string_view::npos ? 0 : number.size() - point - 1;
 }
 
 // A number with a decimal comma, which is one only where no comma parts the fields.
@@ -155,7 +162,30 @@ tl::expected<bool, InputError> CsvReader::next() {
                        "has " + std::to_string(fields_.size()) + " fields where the header has " +
                            std::to_string(width_) + ": " + in_quotes(lines_.line()));
   }
+  if (is_cut_off()) {
+    return refuse_line(name_, line(),
+                       "the file ends within the number " + in_quotes(fields_.back()) +
+                           ": it has fewer decimals than all above it, and no line end follows; copy the "
+                           "file again, or remove the line");
+  }
   return true;
+}
+
+/// Whether the text ends within the last number of the row.
+bool CsvReader::is_cut_off() {
+  const std::string_view last = fields_.back();
+  if (last.empty()) {
+    return false;
+  }
+  const std::size_t decimals = decimals_of(last);
+  const bool are_all_alike = numbers_ >= kNumbersToTell && decimals_min_ == decimals_max_;
+  if (!lines_.ended() && are_all_alike && decimals < decimals_min_) {
+    return true;
+  }
+  ++numbers_;
+  decimals_min_ = std::min(decimals_min_, decimals);
+  decimals_max_ = std::max(decimals_max_, decimals);
+  return false;
 }
 
 tl::expected<double, InputError> CsvReader::number(std::size_t column, const CsvRange& range) const {

@@ -56,7 +56,9 @@ class CsvReader {
 
   [[nodiscard]] bool has(std::size_t column) const { return places_[column] != kAbsent; }
 
-  /// Moves on to the next row; false at the end. An error when it has more or fewer fields than the header.
+  /// Moves on to the next row; false at the end. An error when it has more or fewer fields than the header,
+  /// or the text ends in it, without a line end and within its last number, as can be told where all numbers
+  /// of that column have equally many decimals.
   [[nodiscard]] tl::expected<bool, InputError> next();
 
   /// The current row's field in a column that `has`.
@@ -72,11 +74,13 @@ class CsvReader {
   [[nodiscard]] std::size_t line() const { return lines_.number(); }
 
  private:
+  static constexpr std::size_t kNumbersToTell = 3;  // fewer may have equally many decimals by chance
   static constexpr std::size_t kAbsent = std::numeric_limits<std::size_t>::max();
 
   CsvReader(std::string_view text, std::string_view name, std::span<const CsvColumn> columns);
   [[nodiscard]] tl::expected<void, InputError> read_header(std::string_view text, CsvOthers others);
   [[nodiscard]] tl::expected<void, InputError> place_column(std::size_t field, CsvOthers others);
+  [[nodiscard]] bool is_cut_off();
 
   LineReader lines_;
   std::string_view name_;
@@ -85,6 +89,9 @@ class CsvReader {
   std::vector<std::string_view> fields_;
   char separator_ = ',';
   std::size_t width_ = 0;
+  std::size_t numbers_ = 0;             // in the last column
+  std::size_t decimals_min_ = kAbsent;  // of the numbers in the last column
+  std::size_t decimals_max_ = 0;
 };
 
 /// Calls `take_row()` (which returns tl::expected<void, InputError>) on each row that is left, up to the

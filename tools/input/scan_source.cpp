@@ -360,7 +360,10 @@ class FileScanSource final : public ScanSource {
   Status load(const Entry& entry, InputScan& scan) const {
     if (entry.file.kind == ScanFileKind::Landmarks) {
       scan.is_landmark_list = true;
-      scan.landmarks = select_landmarks(entry.rows, config_.landmark_list, config_.core.detection);
+      ListScan selected = select_landmarks(entry.rows, config_.landmark_list, config_.core.detection);
+      scan.landmarks = std::move(selected.landmarks);
+      scan.landmarks_beyond_max = selected.beyond_max;
+      scan.landmarks_at_one_place = selected.at_one_place;
       return {};
     }
     const auto bytes = read_file(entry.file.path);
@@ -382,8 +385,10 @@ class FileScanSource final : public ScanSource {
   }
 
   Status load_readings(std::string_view text, InputScan& scan) const {
-    return parse_readings_csv(text, scan.name, config_.scan_head.levelling).map([&](auto&& scanlines) {
-      scan.scanlines = std::forward<decltype(scanlines)>(scanlines);
+    return parse_readings_csv(text, scan.name, config_.scan_head.levelling).map([&](ReadingsScan&& readings) {
+      scan.scanlines = std::move(readings.scanlines);
+      scan.zero_ranges = readings.zero_ranges;
+      scan.remark = std::move(readings.remark);
     });
   }
 

@@ -33,8 +33,11 @@ struct InputScan {
   bool is_landmark_list = false;
   std::vector<std::vector<core::Reading>> scanlines;  ///< each in the order of the sweep
   std::vector<core::ScanLandmark> landmarks;
-  std::size_t points_skipped = 0;  ///< of a cloud: without direction (a coordinate NaN, or all zero)
-  std::string remark;              ///< one line on what of its file was not read; empty when all was
+  std::size_t points_skipped = 0;          ///< of a cloud: without direction (a coordinate NaN, or all zero)
+  std::size_t landmarks_beyond_max = 0;    ///< of a list: left out (detection.landmarks_max)
+  std::size_t landmarks_at_one_place = 0;  ///< of a list: left out, each place counts once
+  std::size_t zero_ranges = 0;  ///< of readings: 0 or less, which many devices write when nothing came back
+  std::string remark;           ///< one line on what of its file was not read; empty when all was
 };
 
 enum class ScanFileKind : std::uint8_t { Cloud, Readings, Landmarks };

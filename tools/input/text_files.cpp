@@ -3,13 +3,16 @@
 #include "core/detection/levelling.hpp"
 #include "core/graph/delaunay.hpp"
 #include "tools/input/csv.hpp"
+#include "tools/input/places.hpp"
 #include "tools/input/scan_source.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
+#include <set>
 #include <string>
 #include <unordered_map>
 
@@ -101,21 +104,55 @@ tl::expected<void, InputError> check_landmark_columns(const LandmarkList& list, 
   return {};
 }
 
-std::vector<core::ScanLandmark> select_landmarks(std::span<const LandmarkRow> rows,
-                                                 const firmware::LandmarkListConfig& config,
-                                                 const core::DetectionConfig& detection) {
-  std::vector<core::ScanLandmark> landmarks;
+namespace {
+
+constexpr double kOnePlace_m = 0.001;  // nearer to each other than this no two landmarks stand
+
+/// The heaviest of them that reach the minimums, no two at one place.
+ListScan heaviest_first(std::span<const LandmarkRow> rows, const firmware::LandmarkListConfig& config,
+                        const core::DetectionConfig& detection) {
+  ListScan scan;
   for (const LandmarkRow& row : rows) {
     if (row.position_L.norm() <= detection.range_max_m && row.weight >= config.weight_min &&
         row.diameter_m >= config.diameter_min_m) {
-      landmarks.push_back({row.position_L, weight_of(row, config.order)});
+      scan.landmarks.push_back({row.position_L, weight_of(row, config.order)});
     }
   }
   std::stable_sort(
-      landmarks.begin(), landmarks.end(),
+      scan.landmarks.begin(), scan.landmarks.end(),
       [](const core::ScanLandmark& a, const core::ScanLandmark& b) { return a.weight > b.weight; });
-  landmarks.resize(std::min<std::size_t>(landmarks.size(), detection.landmarks_max));
-  return landmarks;
+  Places places(kOnePlace_m);
+  const auto twins =
+      std::remove_if(scan.landmarks.begin(), scan.landmarks.end(),
+                     [&](const core::ScanLandmark& l) { return !places.is_new(l.position_L); });
+  scan.at_one_place = static_cast<std::size_t>(std::distance(twins, scan.landmarks.end()));
+  scan.landmarks.erase(twins, scan.landmarks.end());
+  return scan;
+}
+
+}  // namespace
+
+ListScan select_landmarks(std::span<const LandmarkRow> rows, const firmware::LandmarkListConfig& config,
+                          const core::DetectionConfig& detection) {
+  ListScan scan = heaviest_first(rows, config, detection);
+  std::vector<core::ScanLandmark>& landmarks = scan.landmarks;
+  const std::size_t room = detection.landmarks_max;
+  if (landmarks.size() <= room) {
+    return scan;
+  }
+  scan.beyond_max = landmarks.size() - room;
+  // Of those that weigh as much as the last one that has room, the nearest are taken.
+  const double least = landmarks[room - 1].weight;
+  const auto alike = std::partition_point(landmarks.begin(), landmarks.end(),
+                                          [&](const core::ScanLandmark& l) { return l.weight > least; });
+  std::stable_sort(alike,
+                   std::partition_point(alike, landmarks.end(),
+                                        [&](const core::ScanLandmark& l) { return l.weight >= least; }),
+                   [](const core::ScanLandmark& a, const core::ScanLandmark& b) {
+                     return a.position_L.norm() < b.position_L.norm();
+                   });
+  landmarks.resize(room);
+  return scan;
 }
 
 namespace {
@@ -127,11 +164,12 @@ constexpr std::array<CsvColumn, 5> kReadingColumns{{{"pan_deg"},
                                                     {"roll_deg", CsvNeed::Optional},
                                                     {"pitch_deg", CsvNeed::Optional}}};
 
+/// kNoReturn where there is no number; 0 and less, with which devices say the same, are still to be seen.
 tl::expected<double, InputError> parse_range_m(const CsvReader& csv) {
   if (csv.text(kRange).empty()) {
     return core::Reading::kNoReturn;
   }
-  return csv.number(kRange, {0.0, kInputReach_m, "m, or nothing when nothing came back"});
+  return csv.number(kRange, {-kInputReach_m, kInputReach_m, "m, 0 or nothing when nothing came back"});
 }
 
 tl::expected<core::Reading, InputError> parse_reading(const CsvReader& csv) {
@@ -201,10 +239,79 @@ tl::expected<void, InputError> check_columns(const CsvReader& csv, std::string_v
   return {};
 }
 
+/// Tells from the rows of a file, in its order, whether they can be those of a sweep.
+class SweepOrder {
+ public:
+  /// Whether the row begins a scanline.
+  bool see(std::string_view tilt, double pan_rad) {
+    const bool is_new_line = rows_ == 0 || tilt != tilt_;
+    ++rows_;
+    lines_ += is_new_line ? 1 : 0;
+    tilts_.insert(tilt);
+    const double step_rad = is_new_line ? 0.0 : pan_rad - pan_rad_;
+    turns_ += step_rad * step_rad_ < 0.0 ? 1 : 0;
+    step_rad_ = is_new_line || step_rad != 0.0 ? step_rad : step_rad_;
+    tilt_ = tilt;
+    pan_rad_ = pan_rad;
+    return is_new_line;
+  }
+
+  /// What is wrong with the order, in a line; empty when nothing is.
+  [[nodiscard]] std::string remark(std::string_view name) const {
+    const bool is_torn = lines_ >= 2 * tilts_.size() && rows_ < kLineReadingsMin * lines_;
+    const bool is_to_and_fro = turns_ > rows_ / 4;  // of rows by chance two in three are turns
+    if (rows_ < kRowsMin || !(is_torn || is_to_and_fro)) {
+      return {};
+    }
+    return std::string(name) + ": " +
+           (is_torn ? std::to_string(tilts_.size()) + " tilts change " + std::to_string(lines_) +
+                          " times in " + std::to_string(rows_) + " readings"
+                    : "the pan turns back " + std::to_string(turns_) + " times in " + std::to_string(rows_) +
+                          " readings") +
+           ", which no sweep does; the order of the rows matters: sort them by tilt_deg, then by pan_deg, or "
+           "keep the order in which they were measured";
+  }
+
+ private:
+  static constexpr std::size_t kRowsMin = 20;
+  static constexpr std::size_t kLineReadingsMin = 3;
+
+  std::set<std::string_view> tilts_;
+  std::string_view tilt_;
+  double pan_rad_ = 0.0;
+  double step_rad_ = 0.0;
+  std::size_t rows_ = 0;
+  std::size_t lines_ = 0;
+  std::size_t turns_ = 0;
+};
+
+/// Takes the row of `csv` into the scan, levelled.
+tl::expected<void, InputError> take_reading(const CsvReader& csv, RowLevelling& level, SweepOrder& order,
+                                            ReadingsScan& scan) {
+  auto reading = parse_reading(csv);
+  if (!reading) {
+    return tl::unexpected(std::move(reading.error()));
+  }
+  if (!csv.text(kRange).empty() && reading->range_m <= 0.0) {
+    reading->range_m = core::Reading::kNoReturn;
+    ++scan.zero_ranges;
+  }
+  const bool is_new_line = order.see(csv.text(kTilt), reading->pan_rad);
+  auto levelled = level.turn(csv, *reading);
+  if (!levelled) {
+    return tl::unexpected(std::move(levelled.error()));
+  }
+  if (is_new_line) {
+    scan.scanlines.emplace_back();
+  }
+  scan.scanlines.back().push_back(*levelled);
+  return {};
+}
+
 }  // namespace
 
-tl::expected<std::vector<std::vector<core::Reading>>, InputError> parse_readings_csv(
-    std::string_view text, std::string_view name, const firmware::LevellingConfig& levelling) {
+tl::expected<ReadingsScan, InputError> parse_readings_csv(std::string_view text, std::string_view name,
+                                                          const firmware::LevellingConfig& levelling) {
   auto csv = CsvReader::open(text, name, kReadingColumns, CsvOthers::Refused);
   if (!csv) {
     return tl::unexpected(std::move(csv.error()));
@@ -213,34 +320,24 @@ tl::expected<std::vector<std::vector<core::Reading>>, InputError> parse_readings
     return tl::unexpected(std::move(checked.error()));
   }
   RowLevelling level(levelling);
-  std::vector<std::vector<core::Reading>> scanlines;
-  std::string_view tilt_text;
-  const auto take_row = [&]() -> tl::expected<void, InputError> {
-    auto reading =
-        parse_reading(*csv).and_then([&](const core::Reading& own) { return level.turn(*csv, own); });
-    if (!reading) {
-      return tl::unexpected(std::move(reading.error()));
-    }
-    if (scanlines.empty() || csv->text(kTilt) != tilt_text) {
-      tilt_text = csv->text(kTilt);
-      scanlines.emplace_back();
-    }
-    scanlines.back().push_back(*reading);
-    return {};
-  };
+  SweepOrder order;
+  ReadingsScan scan;
+  const auto take_row = [&] { return take_reading(*csv, level, order, scan); };
   if (auto taken = for_each_row(*csv, take_row); !taken) {
     return tl::unexpected(std::move(taken.error()));
   }
-  if (scanlines.empty()) {
+  if (scan.scanlines.empty()) {
     return refuse(name, "holds no reading, only a header; a row pan_deg,tilt_deg,range_m is needed for each");
   }
-  return scanlines;
+  scan.remark = order.remark(name);
+  return scan;
 }
 
 namespace {
 
-enum MapColumn : std::size_t { kMapId, kMapX, kMapY };
-constexpr std::array<CsvColumn, 3> kMapColumns{{{"id"}, {"x_m"}, {"y_m"}}};
+enum MapColumn : std::size_t { kMapId, kMapX, kMapY, kMapSightings };
+constexpr std::array<CsvColumn, 4> kMapColumns{{{"id"}, {"x_m"}, {"y_m"}, {"sightings", CsvNeed::Optional}}};
+constexpr CsvRange kSightingsRange{1.0, 1e9, ""};
 constexpr CsvRange kMapPlace{-core::kLatticeReach_m, core::kLatticeReach_m, "m"};
 
 tl::expected<MapPoint, InputError> parse_map(const CsvReader& csv) {
@@ -256,7 +353,15 @@ tl::expected<MapPoint, InputError> parse_map(const CsvReader& csv) {
   if (!y_m) {
     return tl::unexpected(y_m.error());
   }
-  return MapPoint{*id, {*x_m, *y_m}};
+  MapPoint point{*id, {*x_m, *y_m}, {}};
+  if (csv.has(kMapSightings)) {
+    const auto sightings = csv.number(kMapSightings, kSightingsRange);
+    if (!sightings) {
+      return tl::unexpected(sightings.error());
+    }
+    point.sightings = static_cast<std::uint32_t>(*sightings);
+  }
+  return point;
 }
 
 }  // namespace

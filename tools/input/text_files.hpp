@@ -13,7 +13,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -46,34 +48,49 @@ struct LandmarkList {
 [[nodiscard]] tl::expected<void, InputError> check_landmark_columns(
     const LandmarkList& list, std::string_view name, const firmware::LandmarkListConfig& config);
 
-/// What is used of one scan's `rows`: those within `detection.range_max_m` that reach the minimums of
-/// `config`, weighed by its order, heaviest first, ties in the order of the file, at most
-/// `detection.landmarks_max`.
-[[nodiscard]] std::vector<core::ScanLandmark> select_landmarks(std::span<const LandmarkRow> rows,
-                                                               const firmware::LandmarkListConfig& config,
-                                                               const core::DetectionConfig& detection);
+/// One scan of a list.
+struct ListScan {
+  std::vector<core::ScanLandmark> landmarks;  ///< heaviest first
+  std::size_t beyond_max = 0;                 ///< left out: `detection.landmarks_max` is too small for them
+  std::size_t at_one_place = 0;               ///< left out: within a millimetre of a heavier one
+};
 
-/// The scanlines of one scan of readings (`pan_deg,tilt_deg,range_m[,roll_deg,pitch_deg]` in any order; an
-/// empty range is no return), in the order of the file: consecutive rows with the same text for a tilt are
-/// one scanline. At least one reading. An error, with the line, for anything that is not a number, pan beyond
-/// +-360 deg, tilt beyond +-90 deg, a range below 0 or beyond kInputReach_m, a column missing, unknown or
+/// What is used of one scan's `rows`: those within `detection.range_max_m` that reach the minimums of
+/// `config`, each place once, weighed by its order, heaviest first, ties in the order of the file; at most
+/// `detection.landmarks_max`, of equal weights the nearest.
+[[nodiscard]] ListScan select_landmarks(std::span<const LandmarkRow> rows,
+                                        const firmware::LandmarkListConfig& config,
+                                        const core::DetectionConfig& detection);
+
+/// One scan of readings.
+struct ReadingsScan {
+  std::vector<std::vector<core::Reading>> scanlines;  ///< each in the order of the sweep
+  std::size_t zero_ranges = 0;                        ///< of 0 m or less, taken for no return
+  std::string remark;  ///< a line that says so when the rows are in no order of a sweep; else empty
+};
+
+/// The scan of a file of readings (`pan_deg,tilt_deg,range_m[,roll_deg,pitch_deg]` in any order; a range that
+/// is empty, 0 or less is no return), in the order of the file: consecutive rows with the same text for a
+/// tilt are one scanline. At least one reading. An error, with the line, for anything that is not a number,
+/// pan beyond +-360 deg, tilt beyond +-90 deg, a range beyond kInputReach_m, a column missing, unknown or
 /// twice, or a row of another width than the header.
 ///
 /// Readings of a file with `roll_deg,pitch_deg` (core::Attitude, of the sensor) are levelled by them, those
 /// of another by the fixed attitude of `levelling`; when that asks for an inclinometer, such a file is
 /// refused.
-[[nodiscard]] tl::expected<std::vector<std::vector<core::Reading>>, InputError> parse_readings_csv(
+[[nodiscard]] tl::expected<ReadingsScan, InputError> parse_readings_csv(
     std::string_view text, std::string_view name, const firmware::LevellingConfig& levelling = {});
 
 /// A landmark of a map file.
 struct MapPoint {
   std::int64_t id = 0;
   core::Point2 position_W = core::Point2::Zero();  ///< m
+  std::optional<std::uint32_t> sightings;          ///< of a map that a sensor made
 };
 
-/// The landmarks of a map (`id,x_m,y_m` in any order, further columns ignored), in the order of the file, at
-/// least one. An error, with the line, when an id is not a whole number or occurs twice, or a coordinate is
-/// not a number within core::kLatticeReach_m.
+/// The landmarks of a map (`id,x_m,y_m[,sightings]` in any order, further columns ignored), in the order of
+/// the file, at least one. An error, with the line, when an id is not a whole number or occurs twice, a
+/// coordinate is not a number within core::kLatticeReach_m, or a landmark was never seen.
 [[nodiscard]] tl::expected<std::vector<MapPoint>, InputError> parse_map_csv(std::string_view text,
                                                                             std::string_view name);
 

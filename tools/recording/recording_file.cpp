@@ -345,8 +345,7 @@ tl::expected<std::vector<RecordingFile>, InputError> open_recordings(const std::
     return refuse(path.string(), std::string("cannot be opened: ") + std::strerror(errno));
   }
   std::vector<RecordingFile> parts = sorted_parts(file, path);
-  const auto has_scans = [](const RecordingFile& part) { return part.chunks > 0 || part.scan_messages > 0; };
-  if (std::none_of(parts.begin(), parts.end(), has_scans)) {
+  if (std::none_of(parts.begin(), parts.end(), [](const RecordingFile& part) { return part.has_scans(); })) {
     return refuse(path.string(),
                   "is an LCM event log without scans: neither a tape (" +
                       std::string(firmware::kTapeChannel) +

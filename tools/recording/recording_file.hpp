@@ -146,6 +146,8 @@ struct RecordingFile {
       fixes;                        ///< as they were sent, by the end of their scan on the sensor's clock
   bool is_truncated = false;        ///< it ends within an event, as a log does whose logger was killed
   std::vector<std::string> damage;  ///< what is wrong with the file, each in a sentence
+
+  [[nodiscard]] bool has_scans() const noexcept { return chunks > 0 || scan_messages > 0; }
 };
 
 /// Whether `path` is a file that begins as an LCM event log does.

@@ -10,6 +10,7 @@
 #include <array>
 #include <chrono>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <utility>
 #include <variant>
@@ -136,6 +137,12 @@ Replay joined(Replay first, Replay second) {
   const auto put_before = [](auto& list, auto& before) {
     list.insert(list.begin(), std::make_move_iterator(before.begin()), std::make_move_iterator(before.end()));
   };
+  if (second.rows.empty()) {
+    second.map = std::move(first.map);
+    second.matched = std::move(first.matched);
+    second.path = std::move(first.path);
+    second.maps = first.maps;
+  }
   put_before(second.rows, first.rows);
   put_before(second.landmarks, first.landmarks);
   put_before(second.refused, first.refused);
@@ -143,6 +150,7 @@ Replay joined(Replay first, Replay second) {
   second.is_damaged = second.is_damaged || first.is_damaged;
   second.fixes_compared += first.fixes_compared;
   second.fixes_alike += first.fixes_alike;
+  second.left_out.add(first.left_out);
   second.counters.landmarks_cut += first.counters.landmarks_cut;
   second.counters.landmarks_refused += first.counters.landmarks_refused;
   second.counters.neighbours_dropped += first.counters.neighbours_dropped;
@@ -175,6 +183,7 @@ tl::expected<Replay, InputError> replay(const std::vector<std::filesystem::path>
       break;
     }
     result.points_skipped += (*scan)->points_skipped;
+    result.left_out.see(**scan);
     if (!(*scan)->remark.empty()) {
       result.notes.push_back((*scan)->remark);
     }
@@ -210,6 +219,29 @@ bool are_alike(const core::Fix& a, const core::Fix& b) {
   return bytes_of(a) == bytes_of(b);
 }
 
+/// Takes the scans of the SCAN messages of `recording` into `run`: all, or those later than `after_s`.
+void add_logged_scans(const RecordingFile& recording, const firmware::Config& config, double after_s,
+                      const ReplayProgress& progress, ReplayRun& run) {
+  ScanLog log(recording.path, recording.part);
+  while (const auto scan = log.next()) {
+    if (middle_of(scan->time) <= after_s) {
+      continue;
+    }
+    const std::size_t count =
+        std::min<std::size_t>(scan->landmarks.size(), config.core.detection.landmarks_max);
+    run.result().left_out.see_list(count, scan->landmarks.size() - count);
+    const auto heaviest = std::span(scan->landmarks).first(count);
+    const FixRow& row = run.add(scan->number, middle_of(scan->time), [&](const core::Deadline& deadline) {
+      return run.pipeline().process_landmarks(heaviest, config.landmark_list.view(), scan->time, deadline);
+    });
+    if (progress) {
+      progress(log.messages(), static_cast<std::size_t>(recording.scan_messages), row);
+    }
+  }
+  auto& refused = run.result().refused;
+  refused.insert(refused.end(), log.refused().begin(), log.refused().end());
+}
+
 /// A tape on its way through the pipeline.
 class TapeReplay {
  public:
@@ -230,7 +262,21 @@ class TapeReplay {
     return nullptr;
   }
 
-  Replay finish(const TapePlayer& player) {
+  /// Where the tape is damaged, the scans that it does not hold are those of the recorded messages.
+  Replay finish(const TapePlayer& player, const firmware::Config& config, const ReplayProgress& progress) {
+    const bool is_damaged = player.end() == TapeEnd::ChunkMissing || player.end() == TapeEnd::Broken ||
+                            player.end() == TapeEnd::Cut;
+    const std::size_t of_tape = run_.result().rows.size();
+    if (is_damaged && recording_.scan_messages > 0) {
+      const double after_s =
+          of_tape > 0 ? run_.result().rows.back().t_s : -std::numeric_limits<double>::infinity();
+      add_logged_scans(recording_, config, after_s, progress, run_);
+    }
+    if (const std::size_t more = run_.result().rows.size() - of_tape; more > 0) {
+      note(recording_.path.string() + ": its tape gives " + std::to_string(of_tape) + " scans; the " +
+           std::to_string(more) +
+           " after them are those of its recorded scan messages, whose readings are lost");
+    }
     for (const std::string& what : recording_.damage) {
       note(what);
     }
@@ -311,7 +357,7 @@ tl::expected<Replay, InputError> replay_tape(const RecordingFile& recording, con
                static_cast<std::size_t>(recording.chunks), *row);
     }
   }
-  return run.finish((*playback)->player());
+  return run.finish((*playback)->player(), config, progress);
 }
 
 Replay replay_scan_messages(const RecordingFile& recording, const firmware::Config& config,
@@ -324,19 +370,7 @@ Replay replay_scan_messages(const RecordingFile& recording, const firmware::Conf
     result.notes.push_back(recording.path.string() +
                            ": its last event is cut off, as when a logger is killed");
   }
-  ScanLog log(recording.path, recording.part);
-  while (const auto scan = log.next()) {
-    const std::size_t count =
-        std::min<std::size_t>(scan->landmarks.size(), config.core.detection.landmarks_max);
-    const auto heaviest = std::span(scan->landmarks).first(count);
-    const FixRow& row = run.add(scan->number, middle_of(scan->time), [&](const core::Deadline& deadline) {
-      return run.pipeline().process_landmarks(heaviest, config.landmark_list.view(), scan->time, deadline);
-    });
-    if (progress) {
-      progress(log.messages(), static_cast<std::size_t>(recording.scan_messages), row);
-    }
-  }
-  result.refused = log.refused();
+  add_logged_scans(recording, config, -std::numeric_limits<double>::infinity(), progress, run);
   return run.finish();
 }
 

@@ -4,6 +4,7 @@
 #include "core/slam.hpp"
 #include "firmware/config/sensor_config.hpp"
 #include "tools/eval/evaluation.hpp"
+#include "tools/input/left_out.hpp"
 #include "tools/input/scan_source.hpp"
 #include "tools/input/text.hpp"
 #include "tools/output/result_files.hpp"
@@ -37,6 +38,7 @@ struct Replay {
   std::uint64_t fixes_compared = 0;  ///< of a recording: with those that were sent when it was made
   std::uint64_t fixes_alike = 0;     ///< of these, in everything, bit for bit
   core::Counters counters;
+  LeftOut left_out;
   std::uint64_t points_skipped = 0;    ///< of clouds: without a direction (NaN, or the origin)
   std::uint64_t cells_dropped = 0;     ///< sightings beyond capacities.occupied_cells
   std::uint64_t readings_refused = 0;  ///< NaN, infinite or otherwise impossible
@@ -45,7 +47,7 @@ struct Replay {
 };
 
 /// `first`, and then `second`, which began with a map of its own: its rows and notes follow, counts are
-/// added, and the map is the second's.
+/// added, and the map is the second's; but one without any scan leaves the map of the first.
 [[nodiscard]] Replay joined(Replay first, Replay second);
 
 /// Whether the deadline of the profile (realtime.slam_deadline_s) cuts a search, as it does in the daemon.
@@ -67,8 +69,9 @@ using ReplayProgress = std::function<void(std::size_t done, std::size_t total, c
 
 /// Does the run of `recording` again with `config`: its tape through drivers, scan head and pipeline; or,
 /// where it has no tape, the landmarks of its scan messages through the pipeline. A scan's number is the one
-/// that the sensor gave it, its time (UTC, s) the middle of the scan. Damage ends a tape and is noted; what
-/// was good before it counts. Refused when `config` does not fit the tape's devices.
+/// that the sensor gave it, its time (UTC, s) the middle of the scan. Damage ends a tape and is noted: what
+/// was good before it counts, and the scans after it are those of the scan messages beside the tape. Refused
+/// when `config` does not fit the tape's devices.
 [[nodiscard]] tl::expected<Replay, InputError> replay_recording(const RecordingFile& recording,
                                                                 const firmware::Config& config,
                                                                 const ReplayProgress& progress = {});

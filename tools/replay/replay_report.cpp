@@ -136,6 +136,11 @@ std::string counters_text(const Replay& replay) {
 
 }  // namespace
 
+std::vector<std::filesystem::path> replay_files(const std::filesystem::path& folder) {
+  return {folder / "trajectory.tum", folder / "hindsight.tum", folder / "fixes.csv",
+          folder / "map.csv",        folder / "track.nmea",    folder / "plot.svg"};
+}
+
 tl::expected<void, OutputError> write_replay(const Replay& replay, const firmware::Config& config,
                                              std::span<const TimedPose> truth,
                                              const std::optional<Evaluation>& evaluation, MeasuredTimes times,
@@ -145,13 +150,13 @@ tl::expected<void, OutputError> write_replay(const Replay& replay, const firmwar
   if (error) {
     return tl::unexpected(OutputError{folder.string() + ": " + error.message() + "; choose another --out"});
   }
-  return write_trajectory(folder / "trajectory.tum", trajectory_of(replay.rows))
-      .and_then([&] { return write_trajectory(folder / "hindsight.tum", replay.path); })
-      .and_then([&] { return write_fixes(folder / "fixes.csv", replay.rows, times); })
-      .and_then([&] { return write_map(folder / "map.csv", replay.map); })
-      .and_then([&] { return write_file(folder / "track.nmea", track_nmea(replay, config)); })
-      .and_then(
-          [&] { return write_file(folder / "plot.svg", draw_map(plot_of(replay, truth, evaluation))); });
+  const std::vector<std::filesystem::path> files = replay_files(folder);
+  return write_trajectory(files[0], trajectory_of(replay.rows))
+      .and_then([&] { return write_trajectory(files[1], replay.path); })
+      .and_then([&] { return write_fixes(files[2], replay.rows, times); })
+      .and_then([&] { return write_map(files[3], replay.map); })
+      .and_then([&] { return write_file(files[4], track_nmea(replay, config)); })
+      .and_then([&] { return write_file(files[5], draw_map(plot_of(replay, truth, evaluation))); });
 }
 
 bool is_incomplete(const Replay& replay) {
@@ -174,7 +179,7 @@ std::string replay_summary(const Replay& replay) {
          text("no fix           %zu\n", count_of(replay, core::FixStatus::NoFix)) + reasons_text(replay) +
          text("in hindsight     %zu scans known in the home map\n", replay.path.size()) +
          text("map              %zu landmarks\n", replay.map.size()) + local_maps_text(replay) +
-         times_text(replay) + counters_text(replay) + recording_text(replay);
+         times_text(replay) + replay.left_out.text() + counters_text(replay) + recording_text(replay);
 }
 
 }  // namespace slamsensor::tools

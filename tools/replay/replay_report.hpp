@@ -11,8 +11,12 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace slamsensor::tools {
+
+/// The files that write_replay makes in `folder`.
+[[nodiscard]] std::vector<std::filesystem::path> replay_files(const std::filesystem::path& folder);
 
 /// Writes trajectory.tum, hindsight.tum, fixes.csv, map.csv, track.nmea and plot.svg (DESIGN 6) into
 /// `folder`, which is made if need be. The same replay gives the same bytes; the measured times in fixes.csv

@@ -176,7 +176,7 @@ constexpr Setting kSettings[] = {
     {"point_cloud.pitch_deg", "deg", "Pitch of the sensor, taken out of every point.",
      degrees<&Config::point_cloud, &PointCloudConfig::pitch_rad>(-90.0, 90.0)},
 
-    {"landmark_list.order", "", "What makes a landmark heavy; the heaviest detection.landmarks_max are used.",
+    {"landmark_list.order", "", "What makes a landmark heavy; the heaviest detection.landmarks_max are used, of equal ones the nearest.",
      choice<&Config::landmark_list, &LandmarkListConfig::order>(kOrders)},
     {"landmark_list.weight_min", "", "Rows of less weight are left out.",
      real<&Config::landmark_list, &LandmarkListConfig::weight_min>(0.0, 1e9)},

@@ -82,6 +82,25 @@ TEST(Csv, SaysWhatIsWrongWithAHeader) {
   EXPECT_EQ(open_error("a,b,range\n", CsvOthers::Ignored), "");
 }
 
+// A copy that broke off gave a range of 1 m where 12.345 m was measured.
+TEST(Csv, NamesTheNumberThatTheEndOfTheFileCuts) {
+  const auto last_error = [](const std::string& text) {
+    auto csv = CsvReader::open(text, "f.csv", kColumns, CsvOthers::Refused);
+    const auto rows = for_each_row(*csv, [] { return tl::expected<void, InputError>(); });
+    return rows ? std::string() : rows.error().message;
+  };
+  const std::string rows = "a,b\n1,2.125\n2,3.250\n3,12.345\n";
+  for (const char* const cut : {"4,12.34", "4,12.3", "4,12.", "4,12", "4,1"}) {
+    EXPECT_THAT(last_error(rows + cut), AllOf(HasSubstr("f.csv:5"), HasSubstr("ends within the number")))
+        << cut;
+    EXPECT_EQ(last_error(rows + cut + "\n"), "") << cut;
+  }
+  EXPECT_EQ(last_error(rows + "4,12.345"), "") << "only the line end is missing";
+  EXPECT_EQ(last_error("a,b\n1,2.125\n2,3.5\n3,12.345\n4,1"), "") << "as many decimals as it takes";
+  EXPECT_EQ(last_error("a,b\n1,2.125\n2,3"), "") << "too few to tell";
+  EXPECT_THAT(last_error(rows + "4"), HasSubstr("1 fields where the header has 2"));
+}
+
 TEST(Csv, RefusesRowsOfAnotherWidth) {
   auto csv = CsvReader::open("a,b\n1,2,3\n1\n", "f.csv", kColumns, CsvOthers::Refused);
   ASSERT_TRUE(csv);

@@ -26,7 +26,7 @@ std::vector<double> selected(std::string_view text, const LandmarkListConfig& co
   const auto list = parse_landmark_csv(text, "l.csv");
   EXPECT_TRUE(list);
   std::vector<double> xs_m;
-  for (const core::ScanLandmark& landmark : select_landmarks(list->rows, config, detection)) {
+  for (const core::ScanLandmark& landmark : select_landmarks(list->rows, config, detection).landmarks) {
     xs_m.push_back(landmark.position_L.x());
   }
   return xs_m;
@@ -70,8 +70,8 @@ TEST(LandmarkCsv, OrdersByWeightDiameterOrNearnessTiesAsInTheFile) {
 TEST(LandmarkCsv, TheWeightOfALandmarkIsWhatOrdersIt) {
   const auto list = parse_landmark_csv(kTrees, "l.csv");
   ASSERT_TRUE(list);
-  EXPECT_EQ(select_landmarks(list->rows, {LandmarkOrder::Diameter, 0, 0}, {}).front().weight, 0.4);
-  EXPECT_EQ(select_landmarks(list->rows, {LandmarkOrder::Nearest, 0, 0}, {}).back().weight, -3.0);
+  EXPECT_EQ(select_landmarks(list->rows, {LandmarkOrder::Diameter, 0, 0}, {}).landmarks.front().weight, 0.4);
+  EXPECT_EQ(select_landmarks(list->rows, {LandmarkOrder::Nearest, 0, 0}, {}).landmarks.back().weight, -3.0);
 }
 
 TEST(LandmarkCsv, AppliesMinimumsReachAndCapacity) {
@@ -81,6 +81,42 @@ TEST(LandmarkCsv, AppliesMinimumsReachAndCapacity) {
   detection.range_max_m = 1000;
   detection.landmarks_max = 2;
   EXPECT_THAT(selected(kTrees, {LandmarkOrder::Diameter, 0, 0}, detection), ElementsAre(500, -2));
+}
+
+core::DetectionConfig at_most(std::uint32_t landmarks) {
+  core::DetectionConfig detection;
+  detection.landmarks_max = landmarks;
+  return detection;
+}
+
+// A list of far trees first lost its near ones without a word, and what was left fitted elsewhere.
+TEST(LandmarkCsv, OfEqualWeightsTheNearestHaveRoom) {
+  EXPECT_THAT(selected("scan,x_m,y_m\n0,30,0\n0,-5,0\n0,20,0\n0,1,0\n", {}, at_most(2)), ElementsAre(1, -5));
+  const char* const weighed = "scan,x_m,y_m,weight\n0,30,0,7\n0,20,0,2\n0,-5,0,2\n0,9,0,2\n0,1,0,1\n";
+  EXPECT_THAT(selected(weighed, {}, at_most(3)), ElementsAre(30, -5, 9));
+  EXPECT_THAT(selected(weighed, {}, at_most(1)), ElementsAre(30));
+  EXPECT_THAT(selected(weighed, {}, at_most(4)), ElementsAre(30, -5, 9, 20));
+}
+
+TEST(LandmarkCsv, CountsWhatHasNoRoom) {
+  const auto list = parse_landmark_csv("scan,x_m,y_m\n0,30,0\n0,-5,0\n0,20,0\n0,1,0\n0,900,0\n", "l.csv");
+  ASSERT_TRUE(list);
+  EXPECT_EQ(select_landmarks(list->rows, {}, at_most(3)).beyond_max, 1U) << "one is out of reach";
+  EXPECT_EQ(select_landmarks(list->rows, {}, at_most(4)).beyond_max, 0U);
+}
+
+// Rows of one place were so many witnesses for it.
+TEST(LandmarkCsv, APlaceCountsOnce) {
+  const auto list = parse_landmark_csv(
+      "scan,x_m,y_m,weight\n0,1,2,1\n0,1,2,3\n0,1.0004,2,2\n0,1.0000,2.0000,1\n0,1.002,2,1\n0,-1,2,1\n",
+      "l.csv");
+  ASSERT_TRUE(list);
+  const ListScan scan = select_landmarks(list->rows, {}, {});
+  EXPECT_EQ(scan.at_one_place, 3U);
+  ASSERT_EQ(scan.landmarks.size(), 3U);
+  EXPECT_EQ(scan.landmarks[0].weight, 3.0) << "the heaviest of them stands for the place";
+  EXPECT_EQ(scan.landmarks[1].position_L.x(), 1.002);
+  EXPECT_EQ(scan.beyond_max, 0U);
 }
 
 TEST(LandmarkCsv, RefusesAnOrderOrMinimumWhoseColumnIsMissing) {

@@ -76,6 +76,46 @@ TEST_F(ReplayTest, ARowPerScanNamedAsTheInputNamesThem) {
   }
 }
 
+// A list of more landmarks than detection.landmarks_max was cut without a word.
+TEST_F(ReplayTest, WhatHasNoRoomInAScanIsCountedAndTheSettingNamed) {
+  config_.core.detection.landmarks_max = 12;
+  const auto result = replay({walk()}, config_);
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(result->left_out.scans_beyond_max, 10U);
+  EXPECT_GT(result->left_out.landmarks_beyond_max, 10U);
+  const std::string summary = replay_summary(*result);
+  EXPECT_NE(summary.find("left out         " + std::to_string(result->left_out.landmarks_beyond_max) +
+                         " landmarks in 10 scans"),
+            std::string::npos)
+      << summary;
+  EXPECT_NE(summary.find("--set detection.landmarks_max=" + std::to_string(result->left_out.landmarks_most)),
+            std::string::npos)
+      << summary;
+}
+
+TEST_F(ReplayTest, RowsOfOnePlaceAndRangesOfZeroAreCounted) {
+  const auto twins = replay({write("l.csv", "scan,x_m,y_m\n1,5,0\n1,5,0\n1,0,5\n1,-5,1\n")}, config_);
+  ASSERT_TRUE(twins) << twins.error().message;
+  EXPECT_EQ(twins->rows[0].fix.landmarks_seen, 3U);
+  EXPECT_NE(replay_summary(*twins).find("counted once     1 landmarks"), std::string::npos);
+  const auto zeros =
+      replay({write("scan_1.csv", "pan_deg,tilt_deg,range_m\n0,0,0\n1,0,5\n2,0,-1\n")}, config_);
+  ASSERT_TRUE(zeros) << zeros.error().message;
+  EXPECT_NE(replay_summary(*zeros).find("no return        2 readings"), std::string::npos);
+}
+
+// A recording that was joined with the log of another sensor lost its map to that.
+TEST_F(ReplayTest, APartWithoutAnyScanLeavesTheMapOfTheOneBefore) {
+  const auto first = replay({walk()}, config_);
+  ASSERT_TRUE(first);
+  const Replay empty_behind = joined(*first, {});
+  EXPECT_EQ(empty_behind.rows.size(), 10U);
+  EXPECT_EQ(empty_behind.map.size(), first->map.size());
+  EXPECT_EQ(empty_behind.matched.size(), first->map.size());
+  EXPECT_EQ(empty_behind.path.size(), first->path.size());
+  EXPECT_EQ(joined({}, *first).map.size(), first->map.size());
+}
+
 TEST_F(ReplayTest, TheSameInputGivesTheSameBytes) {
   const auto input = walk();
   for (const char* const out : {"a", "b"}) {
@@ -104,7 +144,7 @@ TEST_F(ReplayTest, TrackSaysNoFixWithoutADatumAndCarriesTheLocalPose) {
 TEST_F(ReplayTest, ABrokenScanIsRefusedAndTheRestGoesOn) {
   const std::string good = "pan_deg,tilt_deg,range_m\n0,0,5\n1,0,5\n";
   write("scan_001.csv", good);
-  write("scan_002.csv", "pan_deg,tilt_deg,range_m\n0,0,-5\n");
+  write("scan_002.csv", "pan_deg,tilt_deg,range_m\n0,0,x\n");
   write("scan_003.csv", good);
   std::size_t told = 0;
   const auto result = replay({folder_}, config_, [&](std::size_t, std::size_t total, const FixRow&) {
