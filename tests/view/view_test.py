@@ -465,6 +465,40 @@ class LiveTest(PageTest):
         for bad in ("x", "", "-1", "nan", "1e300", "inf"):
             self.assertEqual(recording.get(f"api/at?t={bad}")[0], 400, bad)
 
+    def test_who_floods_it_takes_neither_its_memory_nor_its_threads(self):
+        view = self.live()
+        host = f"Host: 127.0.0.1:{view.port}\r\n".encode()
+
+        def knock(request):
+            link = socket.create_connection(("127.0.0.1", view.port), 10)
+            link.settimeout(10)
+            self.addCleanup(link.close)
+            try:
+                link.sendall(request)
+            except OSError:
+                pass  # refused while it is sent
+            return link
+
+        def answer(link):
+            try:
+                return link.recv(12)
+            except OSError:
+                return b""
+
+        before_kb = view.memory_kb()
+        for lines in (b"X: a\r\n" * 1_000_000, b"X: " + b"a" * 6_000_000 + b"\r\n", b"\r\n".join([b"X"] * 300)):
+            self.assertNotEqual(answer(knock(b"GET / HTTP/1.1\r\n" + host + lines + b"\r\n")), b"HTTP/1.1 200")
+        self.assertLess(view.memory_kb() - before_kb, 4000)
+        stream = b"GET /api/stream HTTP/1.1\r\n" + host + b"\r\n"
+        pages = [knock(stream) for _ in range(16)]
+        self.assertEqual([answer(page) for page in pages], [b"HTTP/1.1 200"] * 16)
+        knocking = [knock(stream) for _ in range(500)]
+        self.assertEqual(view.get("")[0], 200)
+        told = [link.recv(4000) for link in knocking]
+        self.assertTrue(all(text.startswith(b"HTTP/1.1 503") for text in told))
+        self.assertTrue(all(b"connection: close" in text.lower() for text in told))
+        self.assertEqual(view.get("")[0], 200)
+
     def test_a_port_that_is_taken_and_an_address_that_is_none(self):
         view = self.live()
         for at, status in ((f"127.0.0.1:{view.port}", 69), ("203.0.113.1:0", 69), ("8210", 64), ("127.0.0.1:http", 64)):

@@ -5,13 +5,17 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <httplib.h>
 #include <optional>
+#include <poll.h>
+#include <sys/socket.h>
 #include <thread>
+#include <unistd.h>
 
 namespace slamsensor::tools {
 namespace {
@@ -21,7 +25,7 @@ using httplib::Request;
 using httplib::Response;
 
 constexpr std::chrono::milliseconds kStreamPeriod(250);
-constexpr std::size_t kThreads = 2 * ViewServer::kStreamsMax;
+constexpr std::size_t kThreads = 3 * ViewServer::kStreamsMax;
 constexpr std::size_t kBodyMax = 4096;
 
 constexpr const char* kPolicy =
@@ -77,6 +81,71 @@ bool is_page_request(std::string_view request) {
   return std::find(kAllowed.begin(), kAllowed.end(), request) != kAllowed.end();
 }
 
+/// What a client sends and gets over one connection, which is one request: so many bytes and lines, in so
+/// short a time, that no client takes memory or a thread for itself.
+class ShortStream final : public httplib::Stream {
+ public:
+  explicit ShortStream(socket_t socket) : socket_(socket), end_(Clock::now() + kRequestTime) {}
+
+  bool is_readable() const override {
+    return bytes_ < kRequestMax && lines_ < kLinesMax && is_ready(POLLIN, end_ - Clock::now());
+  }
+  bool is_writable() const override { return is_ready(POLLOUT, kWriteTime); }
+
+  ssize_t read(char* into, std::size_t size) override {
+    if (!is_readable()) {
+      return -1;
+    }
+    const ssize_t count = ::recv(socket_, into, std::min(size, kRequestMax - bytes_), 0);
+    if (count > 0) {
+      bytes_ += static_cast<std::size_t>(count);
+      lines_ += std::count(into, into + count, '\n');
+    }
+    return count;
+  }
+  ssize_t write(const char* from, std::size_t size) override {
+    return is_writable() ? ::send(socket_, from, size, MSG_NOSIGNAL) : -1;
+  }
+
+  void get_remote_ip_and_port(std::string& ip, int& port) const override {
+    ip.clear();
+    port = 0;
+  }
+  void get_local_ip_and_port(std::string& ip, int& port) const override { get_remote_ip_and_port(ip, port); }
+  socket_t socket() const override { return socket_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::size_t kRequestMax = std::size_t{16} * 1024;
+  static constexpr std::ptrdiff_t kLinesMax = 200;
+  static constexpr std::chrono::seconds kRequestTime{2};
+  static constexpr std::chrono::seconds kWriteTime{5};
+
+  bool is_ready(short what, Clock::duration within) const {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(within).count();
+    pollfd poll{socket_, what, 0};
+    return left > 0 && ::poll(&poll, 1, static_cast<int>(left)) == 1;
+  }
+
+  socket_t socket_;
+  Clock::time_point end_;
+  std::size_t bytes_ = 0;
+  std::ptrdiff_t lines_ = 0;
+};
+
+/// A server of one request a connection.
+class ShortServer final : public httplib::Server {
+ private:
+  bool process_and_close_socket(socket_t socket) override {
+    ShortStream stream(socket);
+    bool is_closed = false;
+    const bool is_served = process_request(stream, true, is_closed, nullptr);
+    ::shutdown(socket, SHUT_RDWR);
+    ::close(socket);
+    return is_served;
+  }
+};
+
 class ViewServer::Pages {
  public:
   Pages(Live* live, std::optional<RecordedStory> recording, ViewControl control)
@@ -88,8 +157,6 @@ class ViewServer::Pages {
           ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
         });
     server_.set_payload_max_length(kBodyMax);
-    server_.set_keep_alive_timeout(5);
-    server_.set_write_timeout(5);
     server_.set_default_headers({{"Content-Security-Policy", kPolicy},
                                  {"X-Content-Type-Options", "nosniff"},
                                  {"Referrer-Policy", "no-referrer"},
@@ -238,7 +305,7 @@ class ViewServer::Pages {
   bool is_local_only_ = true;
   std::atomic<bool> is_stopping_{false};
   std::atomic<int> streams_{0};
-  httplib::Server server_;
+  ShortServer server_;
 };
 
 ViewServer::ViewServer(Live& live, ViewControl control)
