@@ -280,6 +280,116 @@ class Cli(unittest.TestCase):
         self.assertEqual(code, OK, errors)
         self.assertIn("cut        1 searches by the deadline", output)
 
+    # --- what would do harm ---------------------------------------------------------------------------------------
+
+    def scans_and_map(self):
+        draw = random.Random(7)
+        points = [(draw.uniform(-30, 30), draw.uniform(-30, 30)) for _ in range(14)]
+        m = self.write("m.csv", "id,x_m,y_m\n" + "".join(f"{i},{x},{y}\n" for i, (x, y) in enumerate(points)))
+        s = self.write("s.csv", "scan,x_m,y_m\n" + "".join(f"5,{x},{y}\n" for x, y in points))
+        return m, s
+
+    def test_no_verb_overwrites_its_own_input(self):
+        m, s = self.scans_and_map()
+        self.out.mkdir()
+        scans = self.out / "map.csv"
+        scans.write_bytes(s.read_bytes())
+        truth = self.out / "hindsight.tum"
+        truth.write_text("5 0 0 0 0 0 0 1\n")
+        link = self.folder / "link.csv"
+        link.symlink_to(s)
+        config = self.write("c.toml", "")
+        world = CONFIG / "worlds" / "bush.toml"
+        own_world = self.out / "stems.csv"
+        own_world.write_bytes(world.read_bytes())
+        self.assertEqual(run("map", "import", m, "--out", self.folder / "m.slammap")[0], OK)
+        slammap = self.folder / "m.slammap"
+        (self.folder / "run" / "report").mkdir(parents=True)
+        (self.folder / "run" / "fixes.csv").write_text("")
+        for inputs, arguments in [
+            ([scans], ["replay", "--out", self.out, scans]),
+            ([scans], ["replay", "--out", self.out, self.out]),
+            ([truth], ["replay", "--out", self.out, "--truth", truth, s]),
+            ([s], ["locate", "--map", m, "--scans", s, "--out", s]),
+            ([s], ["locate", "--map", m, "--scans", s, "--out", link]),
+            ([s], ["locate", "--map", m, "--scans", link, "--out", s]),
+            ([m], ["locate", "--map", m, "--scans", s, "--out", m]),
+            ([config], ["locate", "--config", config, "--map", m, "--scans", s, "--out", config]),
+            ([slammap], ["locate", "--map", m, "--scans", s, "--out", slammap]),
+            ([slammap], ["map", "export", slammap, "--format", "csv", "--out", slammap]),
+            ([slammap], ["map", slammap, "--csv", slammap]),
+            ([own_world], ["simulate", own_world, "--out", self.out, "--scans", 1]),
+            ([own_world], ["record", own_world, "--out", own_world]),
+            ([own_world, slammap], ["record", own_world, "--out", slammap]),
+            ([own_world], ["record", own_world, "--out", self.folder / "r.lcm", "--truth", own_world]),
+        ]:
+            before = [path.read_bytes() for path in inputs]
+            code, _, errors = run(*arguments)
+            self.assertEqual(code, CANTCREAT, f"{arguments}: {errors}")
+            self.assertIn("name another output", errors)
+            self.assertEqual([path.read_bytes() for path in inputs], before, arguments)
+        self.assertEqual(run("locate", "--map", m, "--scans", s, "--out", self.folder / "p.csv")[0], OK)
+
+    def test_a_driven_map_is_no_survey_for_locate(self):
+        m, s = self.scans_and_map()
+        poses = self.folder / "p.csv"
+        lines = m.read_text().splitlines()
+        driven = self.write("driven.csv", lines[0] + ",sightings\n" + "".join(line + ",5\n" for line in lines[1:]))
+        for given in (m, driven):
+            code, output, errors = run("locate", "--map", given, "--scans", s, "--out", poses)
+            self.assertEqual(code, OK, errors)
+            self.assertIn("map        14 landmarks", output)
+        self.assertEqual(run("locate", "--map", self.write("bad.csv", "id,x_m,y_m,sightings\n0,1,2,0\n"), "--scans", s,
+                             "--out", poses)[0], DATAERR)
+
+    def test_a_foreign_part_of_a_recording_is_named_and_takes_nothing(self):
+        recording = self.folder / "a.lcm"
+        code, _, errors = run("record", CONFIG / "scenarios" / "fast.toml", "--out", recording, "--scans", 1)
+        self.assertEqual(code, OK, errors)
+        foreign = b"".join(struct.pack(">IqqII", 0xEDA1DA01, number, number, 6, 4) + b"CAMERA" + b"data"
+                           for number in range(2))
+        self.assertEqual(run("replay", "--out", self.out, recording)[0], OK)
+        landmarks = (self.out / "map.csv").read_text()
+        self.assertGreater(len(landmarks.splitlines()), 3)
+        for parts in ((recording.read_bytes(), foreign), (foreign, recording.read_bytes())):
+            joined = self.folder / "joined.lcm"
+            joined.write_bytes(b"".join(parts))
+            code, output, errors = run("replay", "--out", self.out, joined)
+            self.assertEqual(code, OK, errors)
+            self.assertIn("is no recording of scans and was passed over", output)
+            self.assertEqual((self.out / "map.csv").read_text(), landmarks)
+
+    def test_numbers_of_options_are_numbers(self):
+        truth = self.write("t.tum", "1 0 0 0 0 0 0 1\n")
+        for value in ("nan", "-1", "inf", "-nan"):
+            for arguments in (["eval", "--truth", truth, truth], ["replay", "--out", self.out, self.folder]):
+                code, _, errors = run(*arguments, f"--time-tolerance={value}")
+                self.assertEqual(code, USAGE, f"{value}: {errors}")
+        self.assertEqual(run("eval", "--truth", truth, truth, "--wrong-distance=nan")[0], USAGE)
+
+    def test_eval_of_an_empty_trajectory_is_no_success(self):
+        truth = self.write("t.tum", "1 0 0 0 0 0 0 1\n")
+        for text in ("", "# t x y z qx qy qz qw\n"):
+            empty = self.write("e.tum", text)
+            code, _, errors = run("eval", "--json", "--truth", truth, empty)
+            self.assertEqual(code, DATAERR)
+            self.assertIn("e.tum: holds no pose", errors)
+
+    def test_a_list_that_is_cut_is_told(self):
+        draw = random.Random(3)
+        points = [(draw.uniform(-60, 60), draw.uniform(-60, 60)) for _ in range(50)]
+        s = self.write("s.csv", "scan,x_m,y_m\n" + "".join(f"5,{x},{y}\n" for x, y in points + points[:2]))
+        m = self.write("m.csv", "id,x_m,y_m\n" + "".join(f"{i},{x},{y}\n" for i, (x, y) in enumerate(points)))
+        for arguments in (["replay", "--out", self.out, s],
+                          ["locate", "--map", m, "--scans", s, "--out", self.folder / "p.csv"]):
+            code, output, errors = run(*arguments)
+            self.assertEqual(code, OK, errors)
+            self.assertIn("left out         20 landmarks in 1 scans that list up to 50; "
+                          "--set detection.landmarks_max=50 keeps them", output)
+            self.assertIn("counted once     2 landmarks", output)
+            code, output, errors = run(*arguments, "--set", "detection.landmarks_max=50")
+            self.assertNotIn("left out", output)
+
     def test_full_disk_is_an_error(self):
         if not pathlib.Path("/dev/full").exists():
             self.skipTest("no /dev/full here")

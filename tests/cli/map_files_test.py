@@ -167,6 +167,28 @@ class MapFiles(unittest.TestCase):
                      "EPSG:25830", "ogr2ogr", name="bad.json")
         self.refused('{"type":"LineString","coordinates":[[1,2],[3,4]]}', "no Point", name="bad.json")
         self.refused('{"a": 1}', "no GeoJSON", name="bad.json")
+        self.refused('{"type":5}', "bad.json:1: ", "a text", name="bad.json")
+        self.refused('{"type":"FeatureCollection","features":{"a":1}}', "bad.json:1: ", "[...]", name="bad.json")
+        self.refused('{"type":"Feature","geometry":{"type":null,"coordinates":[1,2]}}', "bad.json:1: ", name="bad.json")
+
+    def test_numbers_and_names_that_no_map_has_are_usage_errors(self):
+        survey = self.survey(random_points(2, 9, 20.0))
+        target = self.folder / "x.slammap"
+        for more in (["--origin", "nan", "0"], ["--origin", "0", "inf"], ["--datum", "10", "0", "1e308", "0"],
+                     ["--datum", "10", "0", "10001", "0"], ["--datum", "10", "0", "nan", "0"]):
+            code, _, errors = run("map", "import", survey, "--out", target, *more)
+            self.assertEqual(code, USAGE, f"{more}: {errors}")
+            self.assertFalse(target.exists())
+        code, _, errors = run("map", "import", survey, "--out", self.folder / "x")
+        self.assertEqual(code, USAGE, errors)
+        self.assertIn(".slammap", errors)
+        code, _, errors = run("map", "import", survey, "--out", survey, "--replace")
+        self.assertEqual(code, USAGE, errors)
+        link = self.folder / "link.slammap"
+        link.symlink_to(survey)
+        code, _, errors = run("map", "import", survey, "--out", link, "--replace")
+        self.assertEqual(code, CANTCREAT, errors)
+        self.assertIn("survey itself", errors)
 
     # --- export ---------------------------------------------------------------------------------------------------
 

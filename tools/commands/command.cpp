@@ -1,12 +1,22 @@
 #include "tools/commands/command.hpp"
 
+#include "tools/input/text.hpp"
+#include "tools/output/write_file.hpp"
+
 #include <CLI/CLI.hpp>
 
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <unistd.h>
 #include <utility>
 
 namespace slamsensor::tools {
+
+std::string is_finite(const std::string& number) {
+  const auto value = parse_number(number);
+  return value && std::isfinite(*value) ? std::string() : number + " is no finite number";
+}
 
 void ConfigOptions::add_to(CLI::App& verb) {
   verb.add_option("-c,--config", file, "configuration file (TOML); see config/")->type_name("FILE");
@@ -28,6 +38,13 @@ firmware::ConfigSources ConfigOptions::sources() const {
   return sources;
 }
 
+tl::expected<void, CommandError> refuse_own_inputs(std::span<const std::filesystem::path> outputs,
+                                                   std::span<const std::filesystem::path> inputs) {
+  return check_outputs(outputs, inputs).map_error([](const OutputError& error) {
+    return CommandError{error.message + '\n', EX_CANTCREAT};
+  });
+}
+
 tl::expected<firmware::LoadedConfig, CommandError> load(const ConfigOptions& options,
                                                         firmware::LoadedConfig base) {
   return firmware::load_layers(options.sources(), std::move(base))
@@ -42,10 +59,12 @@ void DriveOptions::add_to(CLI::App& verb) {
       ->capture_default_str();
   verb.add_option("--step", simulate.drive.step_m, "way from one scan to the next, m")
       ->check(CLI::PositiveNumber)
+      ->check(is_finite)
       ->capture_default_str();
   verb.add_option("--kidnaps", simulate.drive.kidnap_share,
                   "share of scans made near some earlier one instead of a step further")
       ->check(CLI::Range(0.0, 1.0))
+      ->check(is_finite)
       ->capture_default_str();
   verb.add_option("--seed", simulate.seed, "of the drive and of the noise")->capture_default_str();
   verb.add_option("--world-seed", simulate.world_seed, "of the world, instead of the one in its file");
@@ -55,6 +74,10 @@ void DriveOptions::add_to(CLI::App& verb) {
 }
 
 tl::expected<SimulateSummary, CommandError> DriveOptions::run() {
+  const std::array<std::filesystem::path, 1> world{simulate.world};
+  if (auto checked = refuse_own_inputs(simulated_files(simulate), world); !checked) {
+    return tl::unexpected(std::move(checked.error()));
+  }
   simulate.sweep = experiment <= 2 ? paper_sweep_1_2() : paper_sweep_3_4();
   ProgressBar bar("simulate");
   simulate.on_progress = [&](const SimulateProgress& progress) {

@@ -7,6 +7,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <sysexits.h>
@@ -43,6 +45,9 @@ void add_edges(CLI::App& app, CommandResult& result);
 void add_memory(CLI::App& app, CommandResult& result);
 void add_check_config(CLI::App& app, CommandResult& result);
 
+/// A check of an option's number, which may be written as "nan" or "inf": what is wrong, or nothing.
+[[nodiscard]] std::string is_finite(const std::string& number);
+
 /// The configuration of a verb: defaults < --config FILE < FILE.d/*.toml < --set KEY=VALUE.
 struct ConfigOptions {
   std::string file;
@@ -54,6 +59,10 @@ struct ConfigOptions {
   /// The same for a configuration that is loaded again and again.
   [[nodiscard]] firmware::ConfigSources sources() const;
 };
+
+/// check_outputs for a verb, before it begins (EX_CANTCREAT).
+[[nodiscard]] tl::expected<void, CommandError> refuse_own_inputs(
+    std::span<const std::filesystem::path> outputs, std::span<const std::filesystem::path> inputs);
 
 /// The options laid over `base`, or every mistake in it, one line each (EX_CONFIG).
 [[nodiscard]] tl::expected<firmware::LoadedConfig, CommandError> load(const ConfigOptions& options,

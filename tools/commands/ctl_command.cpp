@@ -1,5 +1,6 @@
 #include "firmware/config/daemon_config.hpp"
 #include "tools/commands/command.hpp"
+#include "tools/commands/options.hpp"
 #include "tools/control/ctl.hpp"
 
 #include <CLI/CLI.hpp>
@@ -44,6 +45,7 @@ void add_ctl(CLI::App& app, CommandResult& result) {
       ->capture_default_str();
   verb->add_option("--timeout", options->timeout_s, "for one answer, s")
       ->check(CLI::Range(0.1, 3600.0))
+      ->check(is_finite)
       ->capture_default_str();
   verb->add_flag("--json", *json, "one line of JSON per command");
   verb->prefix_command();  // what follows is the daemon's, negative numbers among it

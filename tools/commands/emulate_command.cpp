@@ -1,4 +1,5 @@
 #include "tools/commands/command.hpp"
+#include "tools/commands/options.hpp"
 #include "tools/emulator/emulated_head.hpp"
 #include "tools/emulator/real_time_head.hpp"
 #include "tools/emulator/scenario.hpp"
@@ -11,6 +12,8 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 namespace slamsensor::tools {
 namespace {
@@ -136,6 +139,12 @@ CommandResult run(const Options& options) {
   const auto refused = [](const WorldError& error, int status) {
     return tl::unexpected(CommandError{error.message + '\n', status});
   };
+  const std::vector<std::filesystem::path> inputs{options.input};
+  const std::vector<std::filesystem::path> outputs{
+      options.truth, options.truth.empty() ? options.truth : events_path(options.truth)};
+  if (auto checked = refuse_own_inputs(outputs, inputs); !checked) {
+    return tl::unexpected(std::move(checked.error()));
+  }
   const auto scenario = scenario_of(options);
   if (!scenario) {
     return refused(scenario.error(), EX_DATAERR);
@@ -167,8 +176,12 @@ void add_options(CLI::App& verb, Options& options) {
           "paper: 1000 readings/s as in the paper; fast: 20000, a scan in 15 s")
       ->check(CLI::IsMember(kinds));
   verb.add_option("--seed", options.seed, "of everything that happens by chance");
-  verb.add_option("--dwell", options.dwell_s, "time at each stand, s")->check(CLI::Range(0.001, 1e6));
-  verb.add_option("--duration", options.duration_s, "end after so many s")->check(CLI::Range(0.0, 1e9));
+  verb.add_option("--dwell", options.dwell_s, "time at each stand, s")
+      ->check(CLI::Range(0.001, 1e6))
+      ->check(is_finite);
+  verb.add_option("--duration", options.duration_s, "end after so many s")
+      ->check(CLI::Range(0.0, 1e9))
+      ->check(is_finite);
   verb.add_option("--truth", options.truth, "where the sensor was (TUM), with the faults beside it (CSV)")
       ->type_name("FILE");
   verb.add_flag("--any-baud", options.any_baud, "understand hosts whatever line rate they have set");

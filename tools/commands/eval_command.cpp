@@ -1,5 +1,6 @@
 #include "core/config.hpp"
 #include "tools/commands/command.hpp"
+#include "tools/commands/options.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/input/text.hpp"
 #include "tools/input/text_files.hpp"
@@ -26,6 +27,11 @@ CommandResult run(const Options& options) {
   const auto trajectory = truth ? read_tum(options.trajectory) : truth;
   if (!trajectory) {
     return tl::unexpected(CommandError{trajectory.error().message + '\n', EX_DATAERR});
+  }
+  if (trajectory->empty()) {
+    return tl::unexpected(CommandError{
+        options.trajectory + ": holds no pose; name the trajectory.tum of a replay that had a fix\n",
+        EX_DATAERR});
   }
   EvaluationConfig config;
   config.wrong_distance_m = options.wrong_m;
@@ -55,14 +61,17 @@ void add_eval(CLI::App& app, CommandResult& result) {
   verb->add_flag("--json", options->json, "print one JSON object");
   verb->add_option("--wrong-distance", options->wrong_m, "a fix farther off than this is wrong, m")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::PositiveNumber)
+      ->check(is_finite);
   verb->add_option("--wrong-heading", options->wrong_deg, "a fix turned by more than this is wrong, deg")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::PositiveNumber)
+      ->check(is_finite);
   verb->add_option("--time-tolerance", options->tolerance_s,
                    "a fix belongs to the nearest true pose if their times differ by no more, s")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::NonNegativeNumber)
+      ->check(is_finite);
   verb->add_option("TRAJECTORY", options->trajectory, "trajectory.tum of a replay")
       ->required()
       ->type_name("F.tum");

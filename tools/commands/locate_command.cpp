@@ -3,6 +3,8 @@
 #include "firmware/arena_block.hpp"
 #include "hal/stamp.hpp"
 #include "tools/commands/command.hpp"
+#include "tools/commands/options.hpp"
+#include "tools/input/left_out.hpp"
 #include "tools/input/scan_source.hpp"
 #include "tools/input/text_files.hpp"
 #include "tools/map_files/open_map.hpp"
@@ -14,7 +16,9 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <iterator>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,23 +34,13 @@ struct Options {
   bool no_deadline = false;
 };
 
+using LocalizerBlock = firmware::ArenaBlock<core::Localizer>;
+
 struct Query {
   std::int64_t scan = 0;
   core::Fix fix;
   double milliseconds = 0.0;
 };
-
-/// The configuration with room for the whole map: it is known before anything is taken.
-core::Config with_room_for(core::Config config, std::size_t landmarks) {
-  const auto count = static_cast<std::uint32_t>(std::max<std::size_t>(landmarks, 1));
-  const double edges_each =
-      static_cast<double>(config.capacities.map_edges) / config.capacities.map_landmarks;
-  config.capacities.map_landmarks = count;
-  config.capacities.map_edges = static_cast<std::uint32_t>(edges_each * count) + 64;
-  config.capacities.path_poses = 1;  // nothing is mapped
-  config.capacities.sightings = config.capacities.scan_landmarks;
-  return config;
-}
 
 std::chrono::nanoseconds steady_now(void*) noexcept {
   return std::chrono::steady_clock::now().time_since_epoch();
@@ -79,7 +73,7 @@ std::string poses_csv(const std::vector<Query>& queries) {
   return csv;
 }
 
-void print_summary(const std::vector<Query>& queries, std::size_t map_landmarks) {
+void print_summary(const std::vector<Query>& queries, std::size_t map_landmarks, const LeftOut& left_out) {
   std::vector<double> times;
   std::array<std::size_t, 3> by_status{};
   std::size_t cut = 0;
@@ -99,6 +93,7 @@ void print_summary(const std::vector<Query>& queries, std::size_t map_landmarks)
   if (cut > 0) {
     std::printf("cut        %zu searches by the deadline (realtime.slam_deadline_s; --no-deadline)\n", cut);
   }
+  std::fputs(left_out.text().c_str(), stdout);
 }
 
 /// Names what was not read; whether a scan may be among it.
@@ -110,53 +105,89 @@ bool print_not_read(std::span<const NotRead> not_read) {
                      [](const NotRead& entry) { return entry.kind == NotReadKind::Missed; });
 }
 
-/// The landmarks of a map file of the sensor (by its suffix), else of a map.csv.
-tl::expected<std::vector<core::Point2>, CommandError> read_landmarks(const std::filesystem::path& path) {
+/// The map that is given: a survey, which leaves nothing out, or what a sensor has made of its scans.
+struct GivenMap {
+  std::vector<core::Point2> survey_W;
+  std::optional<firmware::MapFile> made;
+
+  [[nodiscard]] std::size_t landmarks() const { return made ? made->landmarks.size() : survey_W.size(); }
+};
+
+/// The configuration with room for the whole map: it is known before anything is taken.
+core::Config with_room_for(core::Config config, const GivenMap& map) {
+  const auto count = static_cast<std::uint32_t>(std::max<std::size_t>(map.landmarks(), 1));
+  const double edges_each =
+      static_cast<double>(config.capacities.map_edges) / config.capacities.map_landmarks;
+  config.capacities.map_landmarks = count;
+  config.capacities.map_edges = static_cast<std::uint32_t>(edges_each * count) + 64;
+  const std::size_t poses = map.made ? map.made->path.size() : 0;
+  config.capacities.path_poses = static_cast<std::uint32_t>(std::max<std::size_t>(poses, 1));
+  config.capacities.sightings = config.capacities.scan_landmarks;
+  return config;
+}
+
+/// A map.csv that tells of sightings, as `replay` and `map --csv` write it, is what a sensor has made.
+firmware::MapFile made_of(const std::vector<MapPoint>& points) {
+  firmware::MapFile made;
+  for (const MapPoint& point : points) {
+    core::MapLandmark landmark;
+    landmark.id = static_cast<std::uint32_t>(made.landmarks.size());
+    landmark.sightings = landmark.chances = *point.sightings;
+    made.landmarks.push_back(landmark);
+    made.positions_W.push_back(point.position_W);
+  }
+  made.numbers.next_id = static_cast<std::uint32_t>(made.landmarks.size());
+  made.numbers.scans = 1;
+  return made;
+}
+
+/// A map file of the sensor (by its suffix), else a map.csv.
+tl::expected<GivenMap, CommandError> read_given_map(const std::filesystem::path& path) {
+  GivenMap given;
   if (path.extension() == ".slammap") {
     auto opened = open_map(path.string(), {});
     if (!opened) {
       return tl::unexpected(CommandError{opened.error() + '\n', EX_DATAERR});
     }
-    return std::move(opened->map.positions_W);
+    given.made = std::move(opened->map);
+    return given;
   }
-  const auto map = read_map_csv(path);
-  if (!map) {
-    return tl::unexpected(CommandError{map.error().message + '\n', EX_DATAERR});
+  const auto points = read_map_csv(path);
+  if (!points) {
+    return tl::unexpected(CommandError{points.error().message + '\n', EX_DATAERR});
   }
-  std::vector<core::Point2> map_W;
-  std::transform(map->begin(), map->end(), std::back_inserter(map_W),
+  if (points->front().sightings) {
+    given.made = made_of(*points);
+    return given;
+  }
+  std::transform(points->begin(), points->end(), std::back_inserter(given.survey_W),
                  [](const MapPoint& p) { return p.position_W; });
-  return map_W;
+  return given;
 }
 
-CommandResult run(const Options& options) {
-  const auto loaded = load(options.config);
-  if (!loaded) {
-    return tl::unexpected(loaded.error());
+tl::expected<void, CommandError> give(const GivenMap& map, const core::Config& config,
+                                      const std::filesystem::path& path, LocalizerBlock& localizer) {
+  if (!map.made) {
+    return localizer->set_map(map.survey_W)
+               ? tl::expected<void, CommandError>()
+               : tl::unexpected(CommandError{path.string() + ": a landmark is out of reach\n", EX_DATAERR});
   }
-  const auto landmarks_W = read_landmarks(options.map);
-  if (!landmarks_W) {
-    return tl::unexpected(landmarks_W.error());
+  const core::MapCheck check = localizer->restore(map.made->state());
+  if (!check.ok()) {
+    const std::string flaw = firmware::flaw_text(check, map.made->state(), config.capacities);
+    return tl::unexpected(CommandError{path.string() + ": " + flaw + '\n', EX_DATAERR});
   }
-  const std::vector<core::Point2>& map_W = *landmarks_W;
-  const std::array<std::filesystem::path, 1> inputs{options.scans};
-  auto source = open_scans(inputs, loaded->config);
-  if (!source) {
-    return tl::unexpected(CommandError{source.error().message + '\n', EX_DATAERR});
-  }
-  core::Config config = with_room_for(loaded->config.core, map_W.size());
-  if (!options.search.empty()) {
-    config.association.search =
-        options.search == "paper" ? core::SearchMethod::Paper : core::SearchMethod::Fast;
-  }
-  firmware::ArenaBlock<core::Localizer> localizer(config);
-  if (!localizer->set_map(map_W)) {
-    return tl::unexpected(CommandError{options.map.string() + ": a landmark is out of reach\n", EX_DATAERR});
-  }
+  return {};
+}
+
+/// Every scan of `source` in the map that `localizer` has; an error when one is no list of landmarks.
+tl::expected<std::vector<Query>, CommandError> locate_all(ScanSource& source, const Options& options,
+                                                          const firmware::Config& config,
+                                                          LocalizerBlock& localizer, LeftOut& left_out) {
   std::vector<Query> queries;
   ProgressBar bar("locate");
   for (;;) {
-    const auto scan = (*source)->next();
+    const auto scan = source.next();
     if (!scan || (*scan && !(*scan)->is_landmark_list)) {
       return tl::unexpected(
           CommandError{(scan ? options.scans.string() + ": locate takes a landmark list (scan,x_m,y_m)"
@@ -165,21 +196,61 @@ CommandResult run(const Options& options) {
                        EX_DATAERR});
     }
     if (!*scan) {
-      break;
+      return queries;
     }
+    left_out.see(**scan);
     const auto begin = std::chrono::steady_clock::now();
     const core::Fix fix =
-        localizer->locate((*scan)->landmarks, loaded->config.landmark_list.view(),
-                          options.no_deadline ? core::Deadline{} : deadline_from(begin, loaded->config));
+        localizer->locate((*scan)->landmarks, config.landmark_list.view(),
+                          options.no_deadline ? core::Deadline{} : deadline_from(begin, config));
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
     queries.push_back({(*scan)->number, fix, took.count()});
-    bar.update(queries.size(), (*source)->count());
+    bar.update(queries.size(), source.count());
   }
-  const auto written = write_file(options.out, poses_csv(queries));
+}
+
+CommandResult run(const Options& options) {
+  const std::vector<std::filesystem::path> outputs{options.out};
+  std::vector<std::filesystem::path> own_inputs{options.map, options.scans, options.config.file};
+  const std::array<std::filesystem::path, 1> inputs{options.scans};
+  if (const auto found = find_scan_files(inputs)) {
+    std::transform(found->scans.begin(), found->scans.end(), std::back_inserter(own_inputs),
+                   [](const ScanFile& file) { return file.path; });
+  }
+  if (auto checked = refuse_own_inputs(outputs, own_inputs); !checked) {
+    return tl::unexpected(std::move(checked.error()));
+  }
+  const auto loaded = load(options.config);
+  if (!loaded) {
+    return tl::unexpected(loaded.error());
+  }
+  const auto map = read_given_map(options.map);
+  if (!map) {
+    return tl::unexpected(map.error());
+  }
+  auto source = open_scans(inputs, loaded->config);
+  if (!source) {
+    return tl::unexpected(CommandError{source.error().message + '\n', EX_DATAERR});
+  }
+  core::Config config = with_room_for(loaded->config.core, *map);
+  if (!options.search.empty()) {
+    config.association.search =
+        options.search == "paper" ? core::SearchMethod::Paper : core::SearchMethod::Fast;
+  }
+  LocalizerBlock localizer(config);
+  if (auto given = give(*map, config, options.map, localizer); !given) {
+    return tl::unexpected(std::move(given.error()));
+  }
+  LeftOut left_out;
+  const auto queries = locate_all(**source, options, loaded->config, localizer, left_out);
+  if (!queries) {
+    return tl::unexpected(queries.error());
+  }
+  const auto written = write_file(options.out, poses_csv(*queries));
   if (!written) {
     return tl::unexpected(CommandError{written.error().message + '\n', EX_CANTCREAT});
   }
-  print_summary(queries, map_W.size());
+  print_summary(*queries, map->landmarks(), left_out);
   return print_not_read((*source)->not_read()) ? EX_DATAERR : EX_OK;
 }
 

@@ -2,7 +2,9 @@
 #include "firmware/store/map_names.hpp"
 #include "firmware/store/map_store.hpp"
 #include "tools/commands/command.hpp"
+#include "tools/commands/options.hpp"
 #include "tools/map_files/export_map.hpp"
+#include "tools/map_files/map_verbs.hpp"
 #include "tools/map_files/open_map.hpp"
 #include "tools/map_files/survey_map.hpp"
 #include "tools/output/result_files.hpp"
@@ -19,6 +21,8 @@
 #include <string>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <utility>
+#include <vector>
 
 namespace slamsensor::tools {
 
@@ -47,9 +51,10 @@ class DatumOption {
       return std::nullopt;
     }
     const firmware::Datum datum{values_[0], values_[1], values_[2], values_[3]};
-    if (!(std::abs(datum.latitude_deg) <= 90.0 && std::abs(datum.longitude_deg) <= 180.0 &&
-          std::isfinite(datum.height_m) && std::abs(datum.bearing_deg) <= 360.0)) {
-      return fail("--datum: latitude -90 to 90, longitude -180 to 180, height in m, bearing -360 to 360",
+    if (!firmware::is_on_earth(datum)) {
+      return fail("--datum: latitude -90 to 90, longitude -180 to 180, height " +
+                      shown(firmware::kDatumHeightMin_m) + " to " + shown(firmware::kDatumHeightMax_m) +
+                      " m, bearing -360 to 360",
                   EX_USAGE);
     }
     return datum;
@@ -84,6 +89,11 @@ CommandResult run_export(const ExportOptions& options) {
   auto opened = open_map(options.map, options.store);
   if (!opened) {
     return fail(opened.error());
+  }
+  const std::vector<std::filesystem::path> outputs{options.out};
+  const std::vector<std::filesystem::path> inputs{opened->path};
+  if (auto checked = refuse_own_inputs(outputs, inputs); !checked) {
+    return tl::unexpected(std::move(checked.error()));
   }
   firmware::MapFile& map = opened->map;
   if (*datum) {
@@ -138,11 +148,16 @@ tl::expected<SurveyColumns, CommandError> columns_of(const ImportOptions& option
 }
 
 bool is_file_name(const std::string& out) {
-  return out.find('/') != std::string::npos || out.ends_with(kSuffix);
+  return out.ends_with(kSuffix);
 }
 
 /// The name that the map has inside: of a file its stem.
 tl::expected<std::string, CommandError> map_name_of(const std::string& out) {
+  if (out.find('/') != std::string::npos && !is_file_name(out)) {
+    return fail("--out: " + in_quotes(out) + " is neither a name nor a map file; end a path in " +
+                    std::string(kSuffix) + ", as in " + out + std::string(kSuffix),
+                EX_USAGE);
+  }
   std::string name = is_file_name(out) ? std::filesystem::path(out).stem().string() : out;
   if (!firmware::is_map_name(name)) {
     return fail("--out: " + firmware::bad_map_name(name).value().message, EX_USAGE);
@@ -169,6 +184,10 @@ tl::expected<std::filesystem::path, CommandError> put(const ImportOptions& optio
                                              : firmware::paths_of(options.store, map.about.name).current;
   std::error_code ignored;
   const bool is_there = std::filesystem::exists(path, ignored);
+  if (std::filesystem::equivalent(path, options.survey, ignored)) {
+    return fail(path.string() + ": it is the survey itself, which would be overwritten; choose another name",
+                EX_CANTCREAT);
+  }
   if (is_there && !options.replace) {
     return fail(path.string() + ": it is there already; choose another name, or say --replace", EX_CANTCREAT);
   }
@@ -289,6 +308,7 @@ void add_map_import(CLI::App& map, CommandResult& result) {
       ->type_name("COLUMN=VALUE");
   verb->add_option("--origin", options->origin_m, "subtracted from local metres: near the survey's middle")
       ->expected(2)
+      ->check(is_finite)
       ->type_name("X Y");
   options->datum.add_to(*verb, "where the map's origin lies and where its x axis points, deg and m");
   verb->add_flag("--growing", options->growing, "let the sensor change the map; else it is marked frozen");
@@ -314,6 +334,11 @@ CommandResult run(const Options& options) {
   const auto opened = open_map(options.map, options.store);
   if (!opened) {
     return tl::unexpected(CommandError{opened.error() + '\n', EX_DATAERR});
+  }
+  const std::vector<std::filesystem::path> outputs{options.csv};
+  const std::vector<std::filesystem::path> inputs{opened->path};
+  if (auto checked = refuse_own_inputs(outputs, inputs); !checked) {
+    return tl::unexpected(std::move(checked.error()));
   }
   std::fputs(map_info_text(opened->map, opened->bytes).c_str(), stdout);
   if (!options.csv.empty()) {

@@ -72,6 +72,12 @@ CommandResult run(const Options& options) {
     return tl::unexpected(CommandError{
         "record: name a world or scenario and --out FILE, or --live for the running daemon\n", EX_USAGE});
   }
+  const std::vector<std::filesystem::path> outputs{
+      options.drive.out, options.truth, options.truth.empty() ? options.truth : events_path(options.truth)};
+  const std::vector<std::filesystem::path> own_inputs{options.input, options.config.file};
+  if (auto checked = refuse_own_inputs(outputs, own_inputs); !checked) {
+    return tl::unexpected(std::move(checked.error()));
+  }
   RecordDrive drive = options.drive;
   if (auto prepared = prepare(options, drive); !prepared) {
     return tl::unexpected(prepared.error());
@@ -105,7 +111,8 @@ void add_options(CLI::App& verb, Options& options) {
       ->check(CLI::Range(1, 1'000'000));
   verb.add_option("--seconds", options.drive.seconds,
                   "end after so many s; the stands change as the scenario says")
-      ->check(CLI::Range(0.001, 1e9));
+      ->check(CLI::Range(0.001, 1e9))
+      ->check(is_finite);
   auto* const live =
       verb.add_flag("--live", options.is_live,
                     "have the running daemon record its sensor, until interrupted or for --seconds");

@@ -81,11 +81,21 @@ tl::expected<firmware::LoadedConfig, CommandError> load_for(const RecordingFile*
   return load(options, std::move(base));
 }
 
+std::string foreign_text(const RecordingFile& recording, std::size_t parts) {
+  return recording.path.string() + ": part " + std::to_string(recording.part + 1) + " of the " +
+         std::to_string(parts) + " that are joined in it, " + std::to_string(recording.events) +
+         " events, is no recording of scans and was passed over";
+}
+
 /// Each recording with its own settings, one after the other.
 tl::expected<Replay, CommandError> replay_all(const std::vector<RecordingFile>& recordings,
                                               const Options& options, const ReplayProgress& progress) {
   Replay all;
   for (const RecordingFile& recording : recordings) {
+    if (!recording.has_scans()) {
+      all.notes.push_back(foreign_text(recording, recordings.size()));
+      continue;
+    }
     const auto loaded = load_for(&recording, options.config);
     if (!loaded) {
       return tl::unexpected(loaded.error());
@@ -99,7 +109,7 @@ tl::expected<Replay, CommandError> replay_all(const std::vector<RecordingFile>& 
   if (recordings.size() > 1) {
     all.notes.push_back(recordings.front().path.string() + ": " + std::to_string(recordings.size()) +
                         " recordings are joined in it; each was replayed from its own first scan on, and the "
-                        "map is that of the last");
+                        "map is that of the last one with scans");
   }
   return all;
 }
@@ -144,14 +154,32 @@ void print(const Replay& result, const std::optional<Evaluation>& evaluation, co
               out.c_str());
 }
 
+/// Of the folders among the inputs those files that are scans.
+tl::expected<void, CommandError> check_outputs_of(const Options& options) {
+  std::vector<std::filesystem::path> inputs = options.inputs;
+  if (const auto found = find_scan_files(options.inputs)) {
+    for (const ScanFile& file : found->scans) {
+      inputs.push_back(file.path);
+    }
+  }
+  inputs.emplace_back(options.truth);
+  inputs.emplace_back(options.config.file);
+  return refuse_own_inputs(replay_files(options.out), inputs);
+}
+
 /// Exit status EX_DATAERR when the replay is incomplete or the truth has none of its times, after everything
 /// that could be done is done.
 CommandResult run(const Options& options) {
+  if (auto checked = check_outputs_of(options); !checked) {
+    return tl::unexpected(std::move(checked.error()));
+  }
   const auto recordings = find_recordings(options.inputs);
   if (!recordings) {
     return tl::unexpected(recordings.error());
   }
-  const auto loaded = load_for(recordings->empty() ? nullptr : &recordings->front(), options.config);
+  const auto first = std::find_if(recordings->begin(), recordings->end(),
+                                  [](const RecordingFile& recording) { return recording.has_scans(); });
+  const auto loaded = load_for(first == recordings->end() ? nullptr : &*first, options.config);
   if (!loaded) {
     return tl::unexpected(loaded.error());
   }
@@ -197,7 +225,8 @@ void add_replay(CLI::App& app, CommandResult& result) {
   verb->add_option("--time-tolerance", options->tolerance_s,
                    "a fix belongs to the nearest true pose if their times differ by no more, s")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::NonNegativeNumber)
+      ->check(is_finite);
   verb->add_option("--out", options->out, "folder for the results")->required()->type_name("DIR");
   verb->add_option("--landmarks", options->landmarks,
                    "write the landmarks that were found in the readings as a list, which replay takes, too")

@@ -1,6 +1,7 @@
 #include "firmware/lcm/lcm_sink.hpp"
 #include "hal/clock.hpp"
 #include "tools/commands/command.hpp"
+#include "tools/commands/options.hpp"
 #include "tools/spy/lcm_receiver.hpp"
 #include "tools/top/canvas.hpp"
 #include "tools/top/top_frame.hpp"
@@ -188,6 +189,7 @@ void add_options(CLI::App& verb, Options& options) {
   verb.add_flag("--once", options.once, "print one frame as text and end; so without a terminal");
   verb.add_option("--wait", options.wait_s, "how long --once listens, s")
       ->check(CLI::Range(0.0, 3600.0))
+      ->check(is_finite)
       ->capture_default_str();
   verb.add_option("--width", options.width, "of the frame of --once")
       ->check(CLI::Range(1, Canvas::kSizeMax))

@@ -1,7 +1,10 @@
 #include "tools/output/text_output.hpp"
 
+#include "firmware/store/map_frame.hpp"
+#include "tools/input/text.hpp"
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <fcntl.h>
 #include <string_view>
 #include <sys/stat.h>
@@ -142,9 +145,51 @@ tl::expected<void, OutputError> replace(const Path& path, std::string_view bytes
   return failure(path, error);
 }
 
+bool is_map(std::string_view bytes) {
+  return bytes.size() >= firmware::kMapMagic.size() &&
+         std::equal(firmware::kMapMagic.begin(), firmware::kMapMagic.end(), bytes.begin(),
+                    [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); });
+}
+
+/// Whether there is a map of the sensor at `path`, by its name or by how it begins.
+bool has_map(const Path& path) {
+  if (path.extension() == ".slammap") {
+    return true;
+  }
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(path, none)) {
+    return false;
+  }
+  const auto start = read_file(path, firmware::kMapMagic.size());
+  return start && is_map(*start);
+}
+
+tl::unexpected<OutputError> refuse_map(const Path& path) {
+  return tl::unexpected(OutputError{path.string() +
+                                    ": it is the name of a map of the sensor, or a map itself, which nothing "
+                                    "else may replace; name another output"});
+}
+
 }  // namespace
 
+tl::expected<void, OutputError> check_outputs(std::span<const Path> outputs, std::span<const Path> inputs) {
+  for (const Path& output : outputs) {
+    for (const Path& input : inputs) {
+      std::error_code none;  // what is not there is no input
+      if (!output.empty() && !input.empty() && std::filesystem::equivalent(output, input, none)) {
+        return tl::unexpected(OutputError{output.string() + ": it is the input " + input.string() +
+                                          ", which would be overwritten; name another output"});
+      }
+    }
+    if (!output.empty() && has_map(output)) {
+      return refuse_map(output);
+    }
+  }
+  return {};
+}
+
 tl::expected<void, OutputError> write_file(const Path& path, std::string_view bytes) {
+  if (!is_map(bytes) && has_map(path)) return refuse_map(path);
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return replace(path, bytes);
   if (S_ISDIR(status.st_mode)) return failure(path, EISDIR);

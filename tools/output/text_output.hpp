@@ -5,6 +5,7 @@
 #include <charconv>
 #include <concepts>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -36,9 +37,15 @@ struct OutputError {
   std::string message;
 };
 
+/// An error when one of `outputs` is one of `inputs`, by whatever name or link, or a map of the sensor, which
+/// neither a text nor a recording may replace. Empty paths stand for what was not asked for.
+[[nodiscard]] tl::expected<void, OutputError> check_outputs(std::span<const std::filesystem::path> outputs,
+                                                            std::span<const std::filesystem::path> inputs);
+
 /// `path` holds exactly `bytes`, on the disk, or still holds what it held before and an error is returned:
 /// the bytes go to a new file in the same folder, which takes the name only when all of it is written and
-/// closed without error. A symbolic link is followed. A path that is no regular file (a pipe, a device) is
+/// closed without error. A map of the sensor is replaced by a map alone, and nothing else takes the name of
+/// one (NAME.slammap). A symbolic link is followed. A path that is no regular file (a pipe, a device) is
 /// written to directly.
 [[nodiscard]] tl::expected<void, OutputError> write_file(const std::filesystem::path& path,
                                                          std::string_view bytes);

@@ -1,5 +1,6 @@
 #include "tools/report/report_command.hpp"
 
+#include "tools/commands/options.hpp"
 #include "tools/input/text.hpp"
 #include "tools/input/text_files.hpp"
 #include "tools/output/text_output.hpp"
@@ -12,7 +13,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -51,6 +55,20 @@ tl::expected<std::optional<AlignedErrors>, CommandError> errors_of(const Options
   return std::move(evaluation->first_fix);
 }
 
+tl::expected<void, CommandError> check_outputs_of(std::span<const ReportPlot> plots,
+                                                  const std::filesystem::path& out, const Options& options) {
+  const std::vector<std::filesystem::path> inputs{options.run / "fixes.csv", options.run / "trajectory.tum",
+                                                  options.truth};
+  std::vector<std::filesystem::path> outputs;
+  for (const ReportPlot& plot : plots) {
+    outputs.push_back(out / (plot.name + ".svg"));
+    if (options.png) {
+      outputs.push_back(out / (plot.name + ".png"));
+    }
+  }
+  return refuse_own_inputs(outputs, inputs);
+}
+
 CommandResult run(const Options& options) {
   const std::filesystem::path table = options.run / "fixes.csv";
   const auto text = read_file(table);
@@ -66,13 +84,17 @@ CommandResult run(const Options& options) {
     return tl::unexpected(errors.error());
   }
   const std::filesystem::path out = options.out.empty() ? options.run / "report" : options.out;
+  const std::vector<ReportPlot> plots = report_plots(*rows, *errors);
+  if (auto checked = check_outputs_of(plots, out, options); !checked) {
+    return tl::unexpected(std::move(checked.error()));
+  }
   std::error_code ignored;  // what is wrong shows in the next step
   std::filesystem::create_directories(out, ignored);
   std::vector<std::pair<std::string, std::string>> pictures;
   if (const auto picture = read_file(options.run / "plot.svg")) {
     pictures.emplace_back("map", *picture);  // trajectory and map, as the replay drew them
   }
-  for (const ReportPlot& plot : report_plots(*rows, *errors)) {
+  for (const ReportPlot& plot : plots) {
     pictures.emplace_back(plot.name, draw_curve(plot.plot));
   }
   for (const auto& [name, picture] : pictures) {

@@ -203,6 +203,14 @@ tl::expected<SimulateSummary, WorldError> write_scans(const SimulateOptions& opt
 
 }  // namespace
 
+std::vector<std::filesystem::path> simulated_files(const SimulateOptions& options) {
+  std::vector<std::filesystem::path> files{options.out / "stems.csv", options.out / "truth.tum"};
+  for (std::size_t scan = 1; scan <= options.drive.stands; ++scan) {
+    files.push_back(options.out / scan_file_name(scan));
+  }
+  return files;
+}
+
 tl::expected<SimulateSummary, WorldError> simulate(const SimulateOptions& options) {
   if (auto problem = find_problem(options.sweep)) {
     return tl::unexpected(std::move(*problem));

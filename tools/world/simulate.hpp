@@ -113,6 +113,9 @@ struct SimulateSummary {
 /// would be mixed with these.
 [[nodiscard]] tl::expected<SimulateSummary, WorldError> simulate(const SimulateOptions& options);
 
+/// The files that simulate() makes with `options`.
+[[nodiscard]] std::vector<std::filesystem::path> simulated_files(const SimulateOptions& options);
+
 /// "scan_0001.csv" for 1; more digits from 10000 on.
 [[nodiscard]] std::string scan_file_name(std::size_t number);
 

@@ -5,8 +5,10 @@
 
 #include <fstream>
 #include <iterator>
+#include <string>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <vector>
 
 namespace slamsensor::tools {
 namespace {
@@ -43,6 +45,48 @@ TEST_F(WriteFile, WritesAndReplaces) {
   ASSERT_TRUE(write_file(path, bytes));
   EXPECT_EQ(content(path), bytes);
   EXPECT_EQ(entries(), 1) << "no temporary file is left";
+}
+
+using Paths = std::vector<std::filesystem::path>;
+
+std::string refusal(const Paths& outputs, const Paths& inputs) {
+  const auto checked = check_outputs(outputs, inputs);
+  return checked ? std::string() : checked.error().message;
+}
+
+// `replay --out DIR DIR/map.csv` replaced its own input.
+TEST_F(WriteFile, AnOutputIsNoneOfTheInputsByAnyName) {
+  const auto input = folder_ / "map.csv";
+  ASSERT_TRUE(write_file(input, "scan,x_m,y_m\n"));
+  std::filesystem::create_directory(folder_ / "sub");
+  std::filesystem::create_symlink(input, folder_ / "link.csv");
+  std::filesystem::create_symlink("link.csv", folder_ / "link2.csv");
+  std::filesystem::create_directory_symlink(folder_, folder_ / "sub/up");
+  std::filesystem::create_hard_link(input, folder_ / "hard.csv");
+  for (const char* const name :
+       {"map.csv", "./map.csv", "sub/../map.csv", "link.csv", "link2.csv", "sub/up/map.csv", "hard.csv"}) {
+    EXPECT_THAT(
+        refusal({folder_ / "other.csv", folder_ / name}, {"", folder_ / "none", input}),
+        testing::AllOf(HasSubstr(name), HasSubstr("it is the input"), HasSubstr("name another output")))
+        << name;
+  }
+  EXPECT_EQ(refusal({folder_ / "sub/map.csv", folder_ / "new.csv", ""}, {input, ""}), "");
+}
+
+TEST_F(WriteFile, NothingButAMapReplacesAMap) {
+  const std::string map("\x89SLM\r\n\x1A\nmore", 12);
+  for (const char* const name : {"a.slammap", "map.csv"}) {
+    const auto path = folder_ / name;
+    ASSERT_TRUE(write_file(path, map)) << name;
+    const auto written = write_file(path, "id,x_m,y_m\n");
+    ASSERT_FALSE(written) << name;
+    EXPECT_THAT(written.error().message, testing::AllOf(HasSubstr(name), HasSubstr("map of the sensor")));
+    EXPECT_EQ(content(path), map) << name;
+    EXPECT_THAT(refusal({path}, {}), HasSubstr("map of the sensor")) << name;
+    EXPECT_TRUE(write_file(path, map + "new")) << name;
+  }
+  EXPECT_FALSE(write_file(folder_ / "new.slammap", "text"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "new.slammap"));
 }
 
 TEST_F(WriteFile, TakesTheLongestNameAFileCanHave) {
