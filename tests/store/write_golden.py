@@ -43,7 +43,7 @@ def text(characters):
 
 
 def golden(flags=1, version=3):
-    """Flags: 1 it has a datum, 2 it is marked frozen. Version 2 had no sigma."""
+    """Flags: 1 it has a datum, 2 it is marked frozen, 4 it is a survey, which is frozen too. Version 2 had no sigma."""
     record = 52 if version == 2 else 56
     info = struct.pack("<QqqQQQII", SAVES, CREATED, SAVED, WEIGHT, EVICTED, THINNINGS, NEXT_ID, SCANS)
     info += struct.pack("<dddII", *METHOD) + struct.pack("<Bdddd", flags, *DATUM) + text(NAME)
