@@ -1,5 +1,6 @@
 """The command slamsensor as a user calls it: exit status, messages, files. Usage: cli_test.py SLAMSENSOR CONFIG_DIR"""
 
+import csv
 import filecmp
 import json
 import math
@@ -27,6 +28,31 @@ def pcd(points, declared=None, data="binary"):
     header = (f"# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {count}\nHEIGHT 1\n"
               f"VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {count}\nDATA {data}\n").encode()
     return header + b"".join(struct.pack("<fff", *p) for p in points)
+
+
+def forest(draw, count):
+    """Trees of 70 m^2 each in a square about the origin."""
+    half = 0.5 * math.sqrt(70.0 * count)
+    return [(draw.uniform(-half, half), draw.uniform(-half, half)) for _ in range(count)]
+
+
+def scan_of(draw, trees, pose, spurious):
+    """The 24 nearest trees as seen from a pose: three of ten are missed, some are nothing, sigma is 0.15 m."""
+    x, y, heading = pose
+    cosine, sine = math.cos(heading), math.sin(heading)
+    near = sorted(trees, key=lambda tree: math.dist(tree, (x, y)))[:24]
+    shown = [(a - x, b - y) for a, b in near if draw.random() < 0.7]
+    seen = [(cosine * a + sine * b, cosine * b - sine * a) for a, b in shown]
+    seen = [(a + draw.gauss(0, 0.15), b + draw.gauss(0, 0.15)) for a, b in seen]
+    reach = math.dist(near[-1], (x, y))
+    for _ in range(spurious):
+        away, bearing = reach * math.sqrt(draw.random()), draw.uniform(0, 2 * math.pi)
+        seen.append((away * math.cos(bearing), away * math.sin(bearing)))
+    return seen
+
+
+def csv_of(header, rows):
+    return header + "\n" + "".join(",".join(map(str, row)) + "\n" for row in rows)
 
 
 class Cli(unittest.TestCase):
@@ -267,6 +293,55 @@ class Cli(unittest.TestCase):
             self.assertAlmostEqual(float(cells[4]), math.pi / 2, places=6)
             self.assertEqual(cells[5], "12")
         self.assertEqual(run("locate", "--map", m, "--scans", s, "--out", poses, "--search", "exact")[0], USAGE)
+
+    def agree(self, paper, fast, columns, within):
+        """The same statuses, and poses within the rounding of a fit that may have a match or two more or less."""
+        self.assertEqual(len(paper), len(fast))
+        for one, other in zip(paper, fast):
+            self.assertEqual(one["status"], other["status"], (one, other))
+            if one["status"] == "fix":
+                for column in columns:
+                    self.assertLess(abs(float(one[column]) - float(other[column])), within, (one, other))
+
+    def test_both_searches_locate_the_same(self):
+        for count in (100, 1000):
+            draw = random.Random(count)
+            trees = forest(draw, count)
+            m = self.write("map.csv", csv_of("id,x_m,y_m", [(i, *tree) for i, tree in enumerate(trees)]))
+            half = 0.5 * math.sqrt(70.0 * count) - 15.0
+            rows = []
+            for scan in range(12):  # the last two of another forest
+                pose = draw.uniform(-half, half), draw.uniform(-half, half), draw.uniform(-math.pi, math.pi)
+                rows += [(scan, *p) for p in scan_of(draw, trees if scan < 10 else forest(draw, count), pose, 6)]
+            s = self.write("scans.csv", csv_of("scan,x_m,y_m", rows))
+            poses = {}
+            for search in ("paper", "fast"):
+                out = self.folder / f"{search}.csv"
+                code, _, errors = run("locate", "--map", m, "--scans", s, "--out", out, "--search", search,
+                                      "--no-deadline")
+                self.assertEqual(code, OK, errors)
+                poses[search] = list(csv.DictReader(out.read_text().splitlines()))
+            self.assertEqual([row["status"] for row in poses["paper"]], ["fix"] * 10 + ["no_fix"] * 2)
+            self.agree(poses["paper"], poses["fast"], ("x_m", "y_m", "heading_rad"), 0.03)
+
+    def test_both_searches_replay_the_same(self):
+        draw = random.Random(3)
+        trees = forest(draw, 250)
+        rows = []
+        for scan in range(30):  # a circle that ends where it began
+            turn = 2 * math.pi * scan / 28
+            pose = 20 * math.cos(turn), 20 * math.sin(turn), draw.uniform(-math.pi, math.pi)
+            rows += [(scan, *p) for p in scan_of(draw, trees, pose, 1)]
+        scans = self.write("scans.csv", csv_of("scan,x_m,y_m", rows))
+        fixes = {}
+        for search in ("paper", "fast"):
+            out = self.folder / search
+            code, _, errors = run("replay", "--out", out, "--set", f"association.search={search}", "--set",
+                                  "realtime.slam_deadline_s=100", scans)
+            self.assertEqual(code, OK, errors)
+            fixes[search] = list(csv.DictReader((out / "fixes.csv").read_text().splitlines()))
+        self.assertGreater([row["status"] for row in fixes["paper"]].count("fix"), 25)
+        self.agree(fixes["paper"], fixes["fast"], ("x_m", "y_m"), 0.15)  # whose maps grew apart
 
     def test_locate_tells_searches_that_the_deadline_cut(self):
         def points(seed, count, reach):
