@@ -393,13 +393,12 @@ void FastSearch::try_pose(const Wanted& wanted, const Turned& turned, std::uint3
                                                        static_cast<double>(turned.middle_map_y_m));
   const RigidMotion move = RigidMotion::from_direction(middle_B, middle_W, static_cast<double>(turned.cosine),
                                                        static_cast<double>(turned.sine));
-  Tried& tried = tried_at(move, map);
-  if (tried.failures >= kFailuresMax) {
-    return;
-  }
   ++found.poses_tried;
   if (witnesses_ == 0 && !is_confirmed(move, map, wanted)) {
-    ++tried.failures;
+    return;
+  }
+  Tried& tried = tried_at(move, map);
+  if (tried.failures >= kFailuresMax) {
     return;
   }
   // So many matches are worth something even if all lie where they should.

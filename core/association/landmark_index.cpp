@@ -17,9 +17,14 @@ constexpr double kEntriesPerBucket = 10.0;
 // A bucket's last chunk is filled by half on average; this much more where landmarks stand in rows or crowds.
 constexpr double kChunkReserve = 1.1;
 constexpr std::uint32_t kBucketsMin = 64;
+constexpr std::uint32_t kCellsMin = 64;
+constexpr double kGoldenShare = 0.6180339887;  // of all cells: multiples of it leave no large gaps
 constexpr double kRelinkMoveTolerances = 0.25;
 constexpr double kJumpMoves = 2.0;           // a longer move is an erasure and an insertion
 constexpr double kStepsPerRelinkMove = 4.0;  // in which the place of linking is kept
+constexpr double kGroundTolerances = 1.4;    // within which the ground says whether a landmark may be near
+// What a landmark may move before its ground is drawn again, and the step in which that is known.
+constexpr double kGroundSlackMoves = 1.8;
 
 std::uint32_t neighbours_of(const AssociationConfig& config) noexcept {
   return std::clamp(config.index_neighbours, LandmarkIndex::kNeighboursMin, LandmarkIndex::kNeighboursMax);
@@ -63,9 +68,13 @@ LandmarkIndex::LandmarkIndex(Arena& arena, const AssociationConfig& config,
       apex_shift_(32U - bits_for(capacities.map_landmarks)),
       low_bits_(std::min(kLowBitsMost, (apex_shift_ - pair_bits(config)) / 3U)),
       tag_mask_(0),
-      cell_shift_(64U - bits_for(capacities.map_landmarks)),
+      cell_mask_(std::bit_floor(std::max(kCellsMin, capacities.map_landmarks)) - 1U),
+      cell_stride_(static_cast<std::uint32_t>(kGoldenShare * (cell_mask_ + 1.0)) | 1U),
       bucket_mask_(buckets_for(config, capacities) - 1U),
-      cells_(arena, "index: cells", std::size_t{1} << (64U - cell_shift_)),
+      ground_reach_m_(kGroundTolerances * config.tolerance_m),
+      ground_radius_m_(ground_reach_m_ + kGroundSlackMoves * relink_move_m_),
+      cells_(arena, "index: cells", std::size_t{cell_mask_} + 1U),
+      ground_(arena, "index: ground", std::size_t{cell_mask_} + 1U),
       places_(arena, "index: places", capacities.map_landmarks),
       stars_(arena, "index: stars", std::size_t{neighbours_} * capacities.map_landmarks),
       buckets_(arena, "index: triangle buckets", std::size_t{bucket_mask_} + 1U),
@@ -75,9 +84,12 @@ LandmarkIndex::LandmarkIndex(Arena& arena, const AssociationConfig& config,
   pair_shift_ = 3U * low_bits_ + tag_bits;
   apex_shift_ = pair_shift_ + pair_bits(config);
   SLAMSENSOR_ASSERT(apex_shift_ + bits_for(capacities.map_landmarks) <= 32U);
-  SLAMSENSOR_ASSERT(cells_.try_resize(cells_.capacity()) && places_.try_resize(places_.capacity()) &&
-                    stars_.try_resize(stars_.capacity()) && buckets_.try_resize(buckets_.capacity()) &&
-                    chunks_.try_resize(chunks_.capacity()));
+  if (ground_radius_m_ + relink_move_m_ > kCellSide_m) {
+    ground_reach_m_ = 0.0;  // more than the cells about a landmark would say so
+  }
+  SLAMSENSOR_ASSERT(cells_.try_resize(cells_.capacity()) && ground_.try_resize(ground_.capacity()) &&
+                    places_.try_resize(places_.capacity()) && stars_.try_resize(stars_.capacity()) &&
+                    buckets_.try_resize(buckets_.capacity()) && chunks_.try_resize(chunks_.capacity()));
   if (!arena.measuring()) {
     clear();
   }
@@ -85,6 +97,7 @@ LandmarkIndex::LandmarkIndex(Arena& arena, const AssociationConfig& config,
 
 void LandmarkIndex::clear() noexcept {
   std::fill(cells_.begin(), cells_.end(), kNone);
+  std::fill(ground_.begin(), ground_.end(), 0U);
   std::fill(buckets_.begin(), buckets_.end(), Bucket{});
   for (Place& place : places_) {
     place.is_listed = 0;
@@ -132,6 +145,83 @@ bool LandmarkIndex::has_moved(const Place& place) const noexcept {
   return static_cast<double>(dx * dx + dy * dy) > kStepsPerRelinkMove * kStepsPerRelinkMove;
 }
 
+/// Where the landmark stood when it was linked, to a step.
+Point2 LandmarkIndex::linked_place(const Place& place) const noexcept {
+  const double step_m = relink_move_m_ / kStepsPerRelinkMove;
+  Place now = place;
+  note_linked(now);
+  const auto dx = static_cast<std::int8_t>(static_cast<std::uint8_t>(place.linked_x - now.linked_x));
+  const auto dy = static_cast<std::int8_t>(static_cast<std::uint8_t>(place.linked_y - now.linked_y));
+  return Point2(static_cast<double>(place.x_m), static_cast<double>(place.y_m)) + step_m * Point2(dx, dy);
+}
+
+/// The ground about a landmark at `p` that lies in a cell.
+std::uint64_t LandmarkIndex::ground_of(const Point2& p, std::int32_t column,
+                                       std::int32_t row) const noexcept {
+  const double side_m = 1.0 / kGroundPerM;
+  const double x = p.x() - column * kCellSide_m;
+  const double y = p.y() - row * kCellSide_m;
+  std::uint64_t word = 0;
+  for (std::int32_t line = 0; line < kGroundSide; ++line) {
+    const double dy = std::max({0.0, line * side_m - y, y - (line + 1) * side_m});
+    const double half2 = ground_radius_m_ * ground_radius_m_ - dy * dy;
+    if (half2 <= 0.0) {
+      continue;
+    }
+    const double half = std::sqrt(half2);
+    const std::int32_t first = std::max(0, floor_of((x - half) * kGroundPerM));
+    const std::int32_t last = std::min(kGroundSide - 1, floor_of((x + half) * kGroundPerM));
+    if (first <= last) {
+      const std::uint64_t bits = ((std::uint64_t{1} << static_cast<std::uint32_t>(last - first + 1)) - 1U)
+                                 << static_cast<std::uint32_t>(first);
+      word |= bits << static_cast<std::uint32_t>(line << kGroundShift);
+    }
+  }
+  return word;
+}
+
+/// The word of a cell, from all landmarks in it and about it, and in and about those that share it.
+std::uint64_t LandmarkIndex::ground_about(MapSlot map, std::int32_t column, std::int32_t row) const noexcept {
+  std::uint64_t word = 0;
+  for (std::int32_t r = -1; r <= 1; ++r) {
+    for (std::int32_t c = -1; c <= 1; ++c) {
+      for (std::uint32_t slot = cells_[cell_of(map, column + c, row + r)]; slot != kNone;
+           slot = places_[slot].next) {
+        const Place& place = places_[slot];
+        word |= ground_of(linked_place(place), cell_floor(place.x_m) - c, cell_floor(place.y_m) - r);
+      }
+    }
+  }
+  return word;
+}
+
+/// Calls `visit(column, row)` for the cells with ground about `p`.
+template <typename Visit>
+void LandmarkIndex::visit_ground_cells(const Point2& p, Visit&& visit) const noexcept {
+  const std::int32_t column_last = cell_floor(p.x() + ground_radius_m_);
+  const std::int32_t row_last = cell_floor(p.y() + ground_radius_m_);
+  for (std::int32_t row = cell_floor(p.y() - ground_radius_m_); row <= row_last; ++row) {
+    for (std::int32_t column = cell_floor(p.x() - ground_radius_m_); column <= column_last; ++column) {
+      visit(column, row);
+    }
+  }
+}
+
+void LandmarkIndex::draw_ground(std::uint32_t slot) noexcept {
+  const Place& place = places_[slot];
+  const Point2 p = linked_place(place);
+  visit_ground_cells(p, [&](std::int32_t column, std::int32_t row) {
+    ground_[cell_of(place.map, column, row)] |= ground_of(p, column, row);
+  });
+}
+
+/// What lay about `p` has changed.
+void LandmarkIndex::redraw_ground(MapSlot map, const Point2& p) noexcept {
+  visit_ground_cells(p, [&](std::int32_t column, std::int32_t row) {
+    ground_[cell_of(map, column, row)] = ground_about(map, column, row);
+  });
+}
+
 void LandmarkIndex::insert(std::uint32_t slot, MapSlot map, const Point2& p) noexcept {
   SLAMSENSOR_ASSERT(places_[slot].is_listed == 0 && map <= UINT8_MAX);
   places_[slot] = {
@@ -139,6 +229,7 @@ void LandmarkIndex::insert(std::uint32_t slot, MapSlot map, const Point2& p) noe
   put_in_cell(slot);
   ++size_;
   make_star(slot);
+  draw_ground(slot);
   offer_to_others(slot);
 }
 
@@ -165,8 +256,11 @@ void LandmarkIndex::move(std::uint32_t slot, const Point2& p) noexcept {
     put_in_cell(slot);
   }
   if (has_moved(place)) {
+    const Point2 before = linked_place(place);
     drop_star(slot);
     make_star(slot);
+    redraw_ground(place.map, before);
+    draw_ground(slot);
     refresh_others(slot);
   }
 }
@@ -175,6 +269,7 @@ void LandmarkIndex::erase(std::uint32_t slot) noexcept {
   SLAMSENSOR_ASSERT(places_[slot].is_listed != 0);
   drop_star(slot);
   take_from_cell(slot);
+  redraw_ground(places_[slot].map, linked_place(places_[slot]));
   unlink_from_others(slot);
   places_[slot].is_listed = 0;
   --size_;
@@ -452,6 +547,9 @@ void LandmarkIndex::remove_entry(const Shape& shape) noexcept {
 std::uint32_t LandmarkIndex::nearest_within(MapSlot map, const Point2& p, double radius_m,
                                             double& distance2_m2) const noexcept {
   std::uint32_t best = kNone;
+  if (radius_m <= ground_reach_m_ && !may_be_near(map, p)) {
+    return best;
+  }
   visit_within(map, p, radius_m, [&](std::uint32_t slot, double d2) {
     if (best == kNone || d2 < distance2_m2) {
       best = slot;

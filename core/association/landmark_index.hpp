@@ -35,8 +35,13 @@ using MapSlot = std::uint16_t;
 /// map, because their number grows with it; a tag of the bits that are left tells the triangles apart that
 /// share one.
 ///
-/// Memory of a landmark: 16 bytes of place, 4 to 8 of cells, 24 of star and about 70 of triangles with 6
-/// neighbours; with 3 neighbours 12 of star and 15 of triangles.
+/// Ground. A word of 64 bits for each cell says where in it a landmark may be near, so that most places where
+/// there is none are refused by one look. Cells are numbered along their rows, and the number, modulo the
+/// words that there are, is the word's place. So the neighbours of a cell share words with the neighbours of
+/// every cell that shares its own, and a word can be drawn again from what is listed about it.
+///
+/// Memory of a landmark: 16 bytes of place, 6 to 12 of cells and ground, 24 of star and about 70 of
+/// triangles with 6 neighbours; with 3 neighbours 12 of star and 15 of triangles.
 class LandmarkIndex {
  public:
   static constexpr std::uint32_t kNone = UINT32_MAX;
@@ -82,6 +87,15 @@ class LandmarkIndex {
   void erase(std::uint32_t slot) noexcept;
   void clear() noexcept;
 
+  /// False when no landmark of any map stands within ground_reach_m() of `p`; true may be wrong.
+  [[nodiscard]] bool may_be_near(MapSlot map, const Point2& p) const noexcept {
+    const std::int32_t x = floor_of(p.x() * kGroundPerM);
+    const std::int32_t y = floor_of(p.y() * kGroundPerM);
+    const std::uint64_t word = ground_.data()[cell_of(map, x >> kGroundShift, y >> kGroundShift)];
+    return ((word >> ground_bit(x, y)) & 1U) != 0;
+  }
+  [[nodiscard]] double ground_reach_m() const noexcept { return ground_reach_m_; }
+
   /// The landmark of `map` nearest to `p` within `radius_m`, or kNone. `distance2_m2` receives its distance
   /// squared.
   [[nodiscard]] std::uint32_t nearest_within(MapSlot map, const Point2& p, double radius_m,
@@ -120,7 +134,10 @@ class LandmarkIndex {
   [[nodiscard]] std::uint64_t triangles_dropped() const noexcept { return triangles_dropped_; }
 
  private:
-  static constexpr double kCellSide_m = 4.0;
+  static constexpr double kCellSide_m = 5.0;
+  static constexpr int kGroundShift = 3;  // a cell is 8 by 8 places of ground
+  static constexpr std::int32_t kGroundSide = 1 << kGroundShift;
+  static constexpr double kGroundPerM = kGroundSide / kCellSide_m;
   static constexpr std::uint32_t kChunkEntries = 7;
 
   struct Place {
@@ -207,11 +224,16 @@ class LandmarkIndex {
   [[nodiscard]] static std::int32_t cell_floor(float v_m) noexcept {
     return cell_floor(static_cast<double>(v_m));
   }
+  /// Rows begin so far from each other that maps of any shape use all places evenly.
   [[nodiscard]] std::size_t cell_of(MapSlot map, std::int32_t column, std::int32_t row) const noexcept {
-    const std::uint64_t key = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(column)) << 32U) ^
-                              static_cast<std::uint32_t>(row) ^ (static_cast<std::uint64_t>(map) << 24U);
-    const std::uint64_t h = key * 0x9E3779B97F4A7C15U;
-    return static_cast<std::size_t>(((h ^ (h >> 32U)) * 0xBF58476D1CE4E5B9U) >> cell_shift_);
+    return (static_cast<std::uint32_t>(column) + static_cast<std::uint32_t>(row) * cell_stride_ +
+            std::uint32_t{map} * kMapStride) &
+           cell_mask_;
+  }
+  static constexpr std::uint32_t kMapStride = 0x9E3779B1U;
+  [[nodiscard]] static std::uint32_t ground_bit(std::int32_t x, std::int32_t y) noexcept {
+    constexpr std::int32_t kMask = kGroundSide - 1;
+    return static_cast<std::uint32_t>(((y & kMask) << kGroundShift) | (x & kMask));
   }
   /// The bucket of the first of a row of cells, which differ in the shortest side.
   [[nodiscard]] std::uint32_t row_of(std::uint32_t longest_cell, std::uint32_t middle_cell,
@@ -239,6 +261,14 @@ class LandmarkIndex {
   template <typename Visit, typename More>
   [[nodiscard]] bool visit_batch(Batch& batch, Visit&& visit, More&& more) const noexcept;
   [[nodiscard]] static Refused refuse(const Chunk& chunk, const Asked& asked, const Layout& layout) noexcept;
+  [[nodiscard]] Point2 linked_place(const Place& place) const noexcept;
+  [[nodiscard]] std::uint64_t ground_of(const Point2& p, std::int32_t column,
+                                        std::int32_t row) const noexcept;
+  [[nodiscard]] std::uint64_t ground_about(MapSlot map, std::int32_t column, std::int32_t row) const noexcept;
+  template <typename Visit>
+  void visit_ground_cells(const Point2& p, Visit&& visit) const noexcept;
+  void draw_ground(std::uint32_t slot) noexcept;
+  void redraw_ground(MapSlot map, const Point2& p) noexcept;
   void put_in_cell(std::uint32_t slot) noexcept;
   void take_from_cell(std::uint32_t slot) noexcept;
   void note_linked(Place& place) const noexcept;
@@ -275,9 +305,13 @@ class LandmarkIndex {
   std::uint32_t apex_shift_;
   std::uint32_t low_bits_;  // of each side in an entry
   std::uint32_t tag_mask_;  // of an entry: what bits are left tell rows of cells apart that share a bucket
-  std::uint32_t cell_shift_;
+  std::uint32_t cell_mask_;
+  std::uint32_t cell_stride_;  // from row to row
   std::uint32_t bucket_mask_;
-  BoundedVector<std::uint32_t> cells_;  // heads of chains
+  double ground_reach_m_;                // of what the ground says
+  double ground_radius_m_;               // drawn about a landmark
+  BoundedVector<std::uint32_t> cells_;   // heads of chains
+  BoundedVector<std::uint64_t> ground_;  // by cell: where a landmark may be near
   BoundedVector<Place> places_;
   BoundedVector<Offset> stars_;
   BoundedVector<Bucket> buckets_;
