@@ -6,6 +6,7 @@
 #include "core/memory/arena.hpp"
 #include "core/memory/bounded_vector.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -29,6 +30,7 @@ class ExploredGround {
     if (Cell* const cell = find_or_add(map, p_W)) {
       const double nats = -std::log1p(-std::min(detection, 0.95));
       areas_ += cell->looks == 0 ? 1 : 0;
+      areas_of_[map] += cell->looks == 0 ? 1 : 0;
       cell->looks = static_cast<std::uint8_t>(std::min(255.0, cell->looks + std::ceil(nats * kPerNat)));
     }
   }
@@ -51,14 +53,17 @@ class ExploredGround {
   /// Ground that was looked at in all maps, m^2.
   [[nodiscard]] double area_m2() const noexcept { return static_cast<double>(areas_) * kCell_m * kCell_m; }
 
-  /// What was looked at in `map` is new ground again.
+  /// What was looked at in `map` is new ground again. Its cells are told by the map's generation and make
+  /// room when they are met, so that only one call in kGenerations looks at the table.
   void forget(MapSlot map) noexcept {
-    for (Cell& cell : cells_) {
-      if (cell.looks > 0 && map_of(cell.key) == map) {
-        cell.looks = 0;
-        --areas_;
+    if (++generations_[map] == kGenerations) {
+      generations_[map] = 0;
+      for (Cell& cell : cells_) {
+        cell.looks = slot_of(cell.key) == map ? 0 : cell.looks;
       }
     }
+    areas_ -= areas_of_[map];
+    areas_of_[map] = 0;
   }
 
   void clear() noexcept {
@@ -66,12 +71,18 @@ class ExploredGround {
       cell = Cell{};
     }
     areas_ = 0;
+    areas_of_ = {};
+    generations_ = {};
   }
 
   [[nodiscard]] std::uint64_t cells_dropped() const noexcept { return dropped_; }
 
  private:
-  using Key = std::uint64_t;  // 20 bits of each coordinate, 15 of the map, 1 that says that it is taken
+  // 20 bits of each coordinate, 11 of the map's generation, 4 of the map, 1 that says that it is taken.
+  using Key = std::uint64_t;
+  static constexpr std::uint32_t kMapBits = 4;
+  static constexpr std::uint32_t kMaps = 1U << kMapBits;
+  static constexpr std::uint32_t kGenerations = 1U << 11U;
   struct Cell {
     Key key : 56 = 0;
     Key looks : 8 = 0;
@@ -86,14 +97,20 @@ class ExploredGround {
     }
     return size;
   }
-  [[nodiscard]] static Key key_of(MapSlot map, const Point2& p) noexcept {
+  [[nodiscard]] Key key_of(MapSlot map, const Point2& p) const noexcept {
     const auto cell = [](double v) {
       return static_cast<Key>(static_cast<std::int64_t>(std::floor(v / kCell_m))) & 0xFFFFFU;
     };
-    return (((cell(p.x()) << 20U) | cell(p.y())) << 16U) | (static_cast<Key>(map & 0x7FFFU) << 1U) | 1U;
+    const Key map_key = (Key{generations_[map]} << kMapBits) | map;
+    return (((cell(p.x()) << 20U) | cell(p.y())) << 16U) | (map_key << 1U) | 1U;
   }
-  [[nodiscard]] static MapSlot map_of(Key key) noexcept {
-    return static_cast<MapSlot>((key >> 1U) & 0x7FFFU);
+  [[nodiscard]] static MapSlot slot_of(Key key) noexcept {
+    return static_cast<MapSlot>((key >> 1U) & (kMaps - 1U));
+  }
+  /// Whether the cell says nothing: not looked at, or of a map that was forgotten.
+  [[nodiscard]] bool is_free(const Cell& cell) const noexcept {
+    return cell.looks == 0 ||
+           ((cell.key >> (1U + kMapBits)) & (kGenerations - 1U)) != generations_[slot_of(cell.key)];
   }
   [[nodiscard]] std::size_t first(Key key) const noexcept {
     Key h = key * 0x9E3779B97F4A7C15U;
@@ -110,7 +127,7 @@ class ExploredGround {
       if (cell.key == key) {
         return &cell;
       }
-      if (cell.looks == 0 && free == nullptr) {
+      if (free == nullptr && is_free(cell)) {
         free = &cell;
       }
       if (cell.key == 0) {
@@ -127,6 +144,8 @@ class ExploredGround {
   }
 
   BoundedVector<Cell> cells_;
+  std::array<std::uint16_t, kMaps> generations_{};
+  std::array<std::uint64_t, kMaps> areas_of_{};  // cells looked at, by map
   std::uint64_t areas_ = 0;
   std::uint64_t dropped_ = 0;
 };

@@ -68,6 +68,21 @@ TEST(ExploredGround, AForgottenMapIsNewGroundAndLeavesRoomForOthers) {
   EXPECT_EQ(ground->explored(7, {1.0, 1.0}), 0.0);
 }
 
+// The number by which a map's ground is told from what was forgotten comes round again.
+TEST(ExploredGround, WhatWasForgottenLongAgoDoesNotComeBack) {
+  tests::InArena<ExploredGround> ground(small_capacities());
+  for (int round = 0; round < 5'000; ++round) {
+    const Point2 p{4.0 * (round % 900), 1.0};
+    EXPECT_EQ(ground->explored(3, p), 0.0);
+    ground->look(3, p, 0.5);
+    ground->look(5, {1.0, 1.0}, 0.01);
+    EXPECT_EQ(ground->area_m2(), 32.0);
+    ground->forget(3);
+    EXPECT_EQ(ground->area_m2(), 16.0);
+  }
+  EXPECT_EQ(ground->cells_dropped(), 0U);
+}
+
 TEST(ExploredGround, AFullTableCountsWhatItLeavesOut) {
   Capacities c;
   c.map_landmarks = 3;
