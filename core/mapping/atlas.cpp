@@ -47,6 +47,7 @@ void Atlas::reset() noexcept {
   maps_made_ = 0;
   landmarks_evicted_ = scans_taken_out_ = 0;
   has_linked_ = false;
+  twin_turn_ = room_turn_ = 0;
   closed_scan_ = group_steps_due_ = scans_since_step_ = blind_scans_ = 0;
   was_unseen_ = {};
   ++revision_;
@@ -455,35 +456,36 @@ void Atlas::make_room(std::uint32_t wanted) noexcept {
     drop_map(least);
     return;
   }
-  // A sixteenth of all at once, so that the search for them is paid once for many.
-  const std::uint32_t batch = std::max(wanted, graph_.slots() / 16);
-  for (std::uint32_t dropped = 0; dropped < batch;) {
-    std::uint32_t worst = SightingGraph::kNone;
-    double worst_use = std::numeric_limits<double>::infinity();
-    // One pass finds the worst of a stride: bounded, and near enough to the least useful.
-    for (std::uint32_t slot = dropped; slot < graph_.slots(); slot += 16) {
-      if (!graph_.is_used(slot) || graph_.landmark(slot).last_scan == scan_.number) {
-        continue;
-      }
-      const Standing& standing = graph_.standing(slot);
-      const double age = static_cast<double>(scan_.number - graph_.landmark(slot).last_scan);
-      const double use = static_cast<double>(standing.sightings) / standing.chances - 1e-9 * age +
-                         (standing.sightings > 1 ? 1.0 : 0.0);
-      if (use < worst_use) {
-        worst_use = use;
-        worst = slot;
-      }
-    }
-    ++dropped;
+  for (std::uint32_t dropped = 0; dropped < wanted; ++dropped) {
+    const std::uint32_t worst = least_useful_in_turn();
     if (worst == SightingGraph::kNone) {
       return;
     }
     remove_landmark(worst);
     ++landmarks_evicted_;
-    if (dropped >= wanted + 15) {
-      return;
+  }
+}
+
+/// The least useful landmark of a stretch of them; the next call looks at the next stretch. kNone when the
+/// scan shows all that there are.
+std::uint32_t Atlas::least_useful_in_turn() noexcept {
+  std::uint32_t worst = SightingGraph::kNone;
+  double worst_use = std::numeric_limits<double>::infinity();
+  for (std::uint32_t i = 0; i < graph_.slots() && (i < kRoomStretch || worst == SightingGraph::kNone); ++i) {
+    const std::uint32_t slot = room_turn_ = room_turn_ + 1 < graph_.slots() ? room_turn_ + 1 : 0;
+    if (!graph_.is_used(slot) || graph_.landmark(slot).last_scan == scan_.number) {
+      continue;
+    }
+    const Standing& standing = graph_.standing(slot);
+    const double age = static_cast<double>(scan_.number - graph_.landmark(slot).last_scan);
+    const double use = static_cast<double>(standing.sightings) / standing.chances - 1e-9 * age +
+                       (standing.sightings > 1 ? 1.0 : 0.0);
+    if (use < worst_use) {
+      worst_use = use;
+      worst = slot;
     }
   }
+  return worst;
 }
 
 /// The home map is the first that deserves it. A poor one does not bind: when nothing was found in it for

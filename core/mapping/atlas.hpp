@@ -61,7 +61,7 @@ struct MapEntry {
 /// map. One thread; no allocation after construction.
 class Atlas {
  public:
-  static constexpr std::size_t kMapsMax = 16;
+  static constexpr std::size_t kMapsMax = SightingGraph::kMapsMax;
 
   Atlas(Arena& arena, const Config& config) noexcept;
 
@@ -141,6 +141,7 @@ class Atlas {
   void drop_map(MapSlot map) noexcept;
   void remove_landmark(std::uint32_t slot) noexcept;
   void make_room(std::uint32_t wanted) noexcept;
+  [[nodiscard]] std::uint32_t least_useful_in_turn() noexcept;
   void choose_home() noexcept;
   void try_tie(MapSlot map, const Deadline& deadline) noexcept;
   [[nodiscard]] bool tie_by_scans(MapSlot map) noexcept;
@@ -150,9 +151,9 @@ class Atlas {
   [[nodiscard]] bool close_loop(MapSlot map) noexcept;
   [[nodiscard]] bool is_layer(const Weighed& answer, const Weighed& other) noexcept;
   void link_layers(const Candidate& answer, const Candidate& other) noexcept;
+  void count_as_one(MapEntry& entry, std::uint32_t a, std::uint32_t b) const noexcept;
   std::uint32_t unite(std::uint32_t a, std::uint32_t b) noexcept;
   void unite_twins_in_turn() noexcept;
-  void count_landmarks(MapSlot map) noexcept;
   void probe_structure() noexcept;
   [[nodiscard]] Maps maps_view() const noexcept {
     return {graph_.index(), graph_.positions(), graph_.standing(), ground_, rates_};
@@ -191,6 +192,7 @@ class Atlas {
   std::uint32_t group_steps_due_ = 0;
   std::uint32_t scans_since_step_ = 0;
   std::uint32_t twin_turn_ = 0;
+  std::uint32_t room_turn_ = 0;
   std::uint32_t linked_scan_ = 0;  // in which layers were linked last
   bool has_linked_ = false;
   Counters counters_;

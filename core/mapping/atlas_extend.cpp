@@ -247,8 +247,10 @@ void Atlas::look_for_missing(const Weighed& w) noexcept {
       ++pose.gone;
       if (pose.is_anchor == 0 && pose.count > 0 && pose.gone >= kTakenOutMin &&
           pose.gone >= kTakenOutShare * pose.brought) {
-        graph_.remove_pose(bringer);
-        count_landmarks(w.candidate.map);
+        const SightingGraph::Loss loss = graph_.remove_pose(bringer);
+        MapEntry& entry = maps_[w.candidate.map];
+        entry.landmarks -= loss.landmarks;
+        entry.confirmed -= std::min(entry.confirmed, loss.confirmed);
         ++scans_taken_out_;
       }
     }

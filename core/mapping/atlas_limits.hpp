@@ -75,6 +75,8 @@ inline constexpr double kLayerApart_m = 10.0;  // farther apart, or than half th
 inline constexpr double kLayerTurn_rad = 10.0 * kDegree;
 inline constexpr std::uint32_t kTwinsInTurn =
     128;  // landmarks that are held against their neighbours, a scan
+inline constexpr std::uint32_t kRoomStretch =
+    256;  // landmarks among which the least useful makes room, in turn
 // Sightings of a landmark from places near each other err alike, so that small gains in the sum of squares
 // are no evidence: a group step has to gain this many variances of a sighting. A closed loop gains thousands,
 // and its last steps few.

@@ -157,19 +157,20 @@ MatchList Atlas::twins_of(MapSlot map, const Weighed& w) const noexcept {
     SLAMSENSOR_ASSERT(twins.try_push_back({confirmed_slots_[match.scan], match.map}));
   }
   const double gate_m = kTwinGateSigmas * rates_.sigma_m(scale_.start_sigma_m());
-  for (std::uint32_t slot = 0; slot < graph_.slots(); ++slot) {
+  const RigidMotion move(w.candidate.pose_W);
+  graph_.visit_landmarks(map, [&](std::uint32_t slot) {
     double d2 = 0.0;
-    if (!graph_.is_used(slot) || graph_.landmark(slot).map != map) {
-      continue;
+    const std::uint32_t twin =
+        graph_.index().nearest_within(w.candidate.map, move(graph_.positions()[slot]), gate_m, d2);
+    if (twin == LandmarkIndex::kNone || twins.size() == kScanLandmarksMax) {
+      return;
     }
-    const Point2 p = w.candidate.pose_W * graph_.positions()[slot];
-    const std::uint32_t twin = graph_.index().nearest_within(w.candidate.map, p, gate_m, d2);
     const bool is_taken = std::any_of(
         twins.begin(), twins.end(), [&](const Match& pair) { return pair.scan == slot || pair.map == twin; });
-    if (twin != LandmarkIndex::kNone && !is_taken && !twins.try_push_back({slot, twin})) {
-      break;
+    if (!is_taken) {
+      SLAMSENSOR_ASSERT(twins.try_push_back({slot, twin}));
     }
-  }
+  });
   return twins;
 }
 
@@ -182,16 +183,19 @@ void Atlas::tie(MapSlot map, const Weighed& w) noexcept {
     parents[i] = corner.id;
     xi = std::max(xi, corner.xi);
   }
-  for (std::uint32_t slot = 0; slot < graph_.slots(); ++slot) {
-    if (graph_.is_used(slot) && graph_.landmark(slot).map == map) {
-      GraphLandmark& l = graph_.landmark(slot);
-      l.parents = l.xi == 0 ? parents : l.parents;
-      l.xi += xi + 1;
-    }
-  }
+  graph_.visit_landmarks(map, [&](std::uint32_t slot) {
+    GraphLandmark& l = graph_.landmark(slot);
+    l.parents = l.xi == 0 ? parents : l.parents;
+    l.xi += xi + 1;
+  });
   const MatchList twins = twins_of(map, w);
   MapEntry& from = maps_[map];
   MapEntry& into = maps_[to];
+  into.landmarks += from.landmarks;
+  into.confirmed += from.confirmed;
+  for (const Match& twin : twins) {
+    count_as_one(into, twin.scan, twin.map);
+  }
   graph_.visit_poses([&](std::uint32_t place, const GraphPose& pose) {
     if (pose.map == map) {
       graph_.pose(place).xi += xi + 1;
@@ -199,7 +203,6 @@ void Atlas::tie(MapSlot map, const Weighed& w) noexcept {
     }
   });
   graph_.merge(map, to, w.candidate.pose_W, twins.span());
-  count_landmarks(to);
   into.scans += from.scans;
   into.W += from.W;
   if (from.last_scan >= into.last_scan) {
@@ -302,26 +305,20 @@ void Atlas::link_layers(const Candidate& answer, const Candidate& other) noexcep
   has_linked_ = true;
 }
 
-void Atlas::count_landmarks(MapSlot map) noexcept {
-  MapEntry& entry = maps_[map];
-  entry.landmarks = entry.confirmed = 0;
-  for (std::uint32_t slot = 0; slot < graph_.slots(); ++slot) {
-    if (graph_.is_used(slot) && graph_.landmark(slot).map == map) {
-      ++entry.landmarks;
-      entry.confirmed += graph_.standing(slot).sightings >= 2 ? 1 : 0;
-    }
-  }
+/// Before `a` and `b`, which the entry counts both, become one landmark, which both scans have confirmed.
+void Atlas::count_as_one(MapEntry& entry, std::uint32_t a, std::uint32_t b) const noexcept {
+  const bool is_a_confirmed = graph_.standing()[a].sightings >= 2;
+  const bool is_b_confirmed = graph_.standing()[b].sightings >= 2;
+  --entry.landmarks;
+  entry.confirmed += is_a_confirmed || is_b_confirmed ? 0 : 1;
+  entry.confirmed -= is_a_confirmed && is_b_confirmed ? 1 : 0;
 }
 
 /// Two landmarks of one map become one: the older. Returns it.
 std::uint32_t Atlas::unite(std::uint32_t a, std::uint32_t b) noexcept {
   const std::uint32_t kept = graph_.landmark(a).id < graph_.landmark(b).id ? a : b;
   const std::uint32_t gone = kept == a ? b : a;
-  MapEntry& entry = maps_[graph_.landmark(kept).map];
-  const bool was_confirmed = graph_.standing(kept).sightings >= 2;
-  entry.confirmed += was_confirmed || graph_.standing(gone).sightings >= 2 ? 0 : 1;
-  entry.confirmed -= was_confirmed && graph_.standing(gone).sightings >= 2 ? 1 : 0;
-  --entry.landmarks;
+  count_as_one(maps_[graph_.landmark(kept).map], gone, kept);
   graph_.unite(gone, kept);
   return kept;
 }
@@ -329,7 +326,6 @@ std::uint32_t Atlas::unite(std::uint32_t a, std::uint32_t b) noexcept {
 /// Landmarks that came to stand at one place, and may be one, become one; some of the maps' landmarks a scan.
 void Atlas::unite_twins_in_turn() noexcept {
   const double gate_m = kTwinGateSigmas * rates_.sigma_m(scale_.start_sigma_m());
-  bool is_changed = false;
   for (std::uint32_t i = 0; i < std::min(kTwinsInTurn, graph_.slots()); ++i) {
     twin_turn_ = twin_turn_ + 1 < graph_.slots() ? twin_turn_ + 1 : 0;
     if (!graph_.is_used(twin_turn_)) {
@@ -344,11 +340,7 @@ void Atlas::unite_twins_in_turn() noexcept {
                                 });
     if (twin != SightingGraph::kNone) {
       static_cast<void>(unite(twin_turn_, twin));
-      is_changed = true;
     }
-  }
-  if (is_changed) {
-    graph_.sum_anew();
   }
 }
 

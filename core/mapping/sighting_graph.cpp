@@ -39,6 +39,7 @@ SightingGraph::SightingGraph(Arena& arena, const Config& config) noexcept
   for (MapDrift& drift : drifts_) {
     drift.groups.fill(Eigen::Matrix3d::Zero());
   }
+  first_of_map_.fill(kNone);
   SLAMSENSOR_ASSERT(system_.try_resize(system_.capacity()) && poses_.try_resize(poses_.capacity()) &&
                     marks_.try_resize(marks_.capacity()) && sightings_.try_resize(sightings_.capacity()));
 }
@@ -61,9 +62,9 @@ std::uint32_t SightingGraph::add_landmark(MapSlot map, const Point2& position_W,
   GraphLandmark landmark;
   landmark.id = next_id_++;
   landmark.xi = xi;
-  landmark.map = map;
   landmark.first_scan = landmark.last_scan = scan;
   landmarks_[slot] = landmark;
+  put_into_map(slot, map);
   positions_[slot] = position_W;
   standing_[slot] = Standing{};
   used_[slot] = 1;
@@ -90,8 +91,28 @@ void SightingGraph::remove_landmark(std::uint32_t slot) noexcept {
     s = next;
   }
   used_[slot] = 0;
+  take_out_of_map(slot);
   index_.erase(slot);
   SLAMSENSOR_ASSERT(free_.try_push_back(slot));
+}
+
+void SightingGraph::put_into_map(std::uint32_t slot, MapSlot map) noexcept {
+  GraphLandmark& l = landmarks_[slot];
+  l.map = map;
+  l.previous = kNone;
+  l.next = first_of_map_[map];
+  if (l.next != kNone) {
+    landmarks_[l.next].previous = slot;
+  }
+  first_of_map_[map] = slot;
+}
+
+void SightingGraph::take_out_of_map(std::uint32_t slot) noexcept {
+  const GraphLandmark& l = landmarks_[slot];
+  (l.previous == kNone ? first_of_map_[l.map] : landmarks_[l.previous].next) = l.next;
+  if (l.next != kNone) {
+    landmarks_[l.next].previous = l.previous;
+  }
 }
 
 void SightingGraph::chain(std::uint32_t sighting) noexcept {
@@ -201,8 +222,9 @@ void SightingGraph::fold_oldest() noexcept {
   ++folded_;
 }
 
-void SightingGraph::remove_pose(std::uint32_t place_of) noexcept {
+SightingGraph::Loss SightingGraph::remove_pose(std::uint32_t place_of) noexcept {
   GraphPose& pose = poses_[place_of];
+  Loss loss;
   for (std::uint32_t i = 0; i < pose.count; ++i) {
     const auto at = static_cast<std::uint32_t>((pose.first + i) % sightings_.capacity());
     GraphSighting& s = sightings_[at];
@@ -214,8 +236,12 @@ void SightingGraph::remove_pose(std::uint32_t place_of) noexcept {
     unchain(at);
     s.landmark = kNone;
     Standing& standing = standing_[slot];
+    const bool was_confirmed = standing.sightings >= 2;
     standing.sightings -= standing.sightings > 1 ? 1 : 0;
-    if (landmarks_[slot].sightings == kNone && !(landmarks_[slot].prior_weight > 0.0F)) {
+    const bool goes = landmarks_[slot].sightings == kNone && !(landmarks_[slot].prior_weight > 0.0F);
+    loss.landmarks += goes ? 1 : 0;
+    loss.confirmed += was_confirmed && (goes || standing.sightings < 2) ? 1 : 0;
+    if (goes) {
       remove_landmark(slot);
     } else {
       landmarks_[slot].brought_by =
@@ -224,6 +250,7 @@ void SightingGraph::remove_pose(std::uint32_t place_of) noexcept {
     }
   }
   pose.count = 0;
+  return loss;
 }
 
 void SightingGraph::refit(std::uint32_t place_of) noexcept {
@@ -341,20 +368,23 @@ void SightingGraph::refit_in_turn(std::uint32_t sightings) noexcept {
 
 void SightingGraph::merge(MapSlot from, MapSlot to, const Pose2& T_to_from,
                           std::span<const Match> twins) noexcept {
-  for (std::uint32_t slot = 0; slot < landmarks_.size(); ++slot) {
+  const RigidMotion move(T_to_from);
+  visit_landmarks(from, [&](std::uint32_t slot) {
     GraphLandmark& l = landmarks_[slot];
-    if (used_[slot] == 0 || l.map != from) {
-      continue;
-    }
-    positions_[slot] = T_to_from * positions_[slot];
-    const Point2 prior =
-        T_to_from * Point2(static_cast<double>(l.prior_x_m), static_cast<double>(l.prior_y_m));
+    positions_[slot] = move(positions_[slot]);
+    const Point2 prior = move(Point2(static_cast<double>(l.prior_x_m), static_cast<double>(l.prior_y_m)));
     l.prior_x_m = static_cast<float>(prior.x());
     l.prior_y_m = static_cast<float>(prior.y());
-    l.map = to;
+    if (l.sum_weight > 0.0) {
+      const Point2 mean = move(Point2(Point2(l.sum_x_m, l.sum_y_m) / l.sum_weight));
+      l.sum_x_m = l.sum_weight * mean.x();
+      l.sum_y_m = l.sum_weight * mean.y();
+    }
+    take_out_of_map(slot);
+    put_into_map(slot, to);
     index_.erase(slot);
     index_.insert(slot, to, positions_[slot]);
-  }
+  });
   for (std::uint64_t p = pose_tail_; p < pose_head_; ++p) {
     GraphPose& pose = poses_[static_cast<std::size_t>(p % poses_.capacity())];
     if (pose.map == from) {
@@ -366,7 +396,6 @@ void SightingGraph::merge(MapSlot from, MapSlot to, const Pose2& T_to_from,
   for (const Match& twin : twins) {
     unite(twin.scan, twin.map);
   }
-  sum_anew();
 }
 
 void SightingGraph::unite(std::uint32_t gone_slot, std::uint32_t kept_slot) noexcept {
@@ -387,12 +416,16 @@ void SightingGraph::unite(std::uint32_t gone_slot, std::uint32_t kept_slot) noex
         (a * static_cast<double>(kept.prior_y_m) + b * static_cast<double>(gone.prior_y_m)) / (a + b));
     kept.prior_weight = static_cast<float>(a + b);
   }
+  kept.sum_x_m += gone.sum_x_m;
+  kept.sum_y_m += gone.sum_y_m;
+  kept.sum_weight += gone.sum_weight;
   kept.first_scan = std::min(kept.first_scan, gone.first_scan);
   kept.last_scan = std::max(kept.last_scan, gone.last_scan);
   kept.misses = std::min(kept.misses, gone.misses);
   standing_[kept_slot].sightings += standing_[gone_slot].sightings;
   standing_[kept_slot].chances += standing_[gone_slot].chances;
   remove_landmark(gone_slot);
+  place(kept_slot);
 }
 
 bool SightingGraph::may_be_one(std::uint32_t a, std::uint32_t b) noexcept {
@@ -452,11 +485,7 @@ void SightingGraph::set_offset(double offset_m) noexcept {
 }
 
 void SightingGraph::forget(MapSlot map) noexcept {
-  for (std::uint32_t slot = 0; slot < landmarks_.size(); ++slot) {
-    if (used_[slot] != 0 && landmarks_[slot].map == map) {
-      remove_landmark(slot);
-    }
-  }
+  visit_landmarks(map, [&](std::uint32_t slot) { remove_landmark(slot); });
   for (std::uint64_t p = pose_tail_; p < pose_head_; ++p) {
     GraphPose& pose = poses_[static_cast<std::size_t>(p % poses_.capacity())];
     pose.count = pose.map == map ? 0 : pose.count;
@@ -469,6 +498,7 @@ void SightingGraph::clear() noexcept {
   standing_.clear();
   used_.clear();
   free_.clear();
+  first_of_map_.fill(kNone);
   index_.clear();
   pose_head_ = pose_tail_ = sighting_head_ = sighting_tail_ = turn_ = 0;
   folded_ = 0;

@@ -30,8 +30,10 @@ struct GraphLandmark {
   float prior_weight = 0.0F;
   float file_sigma_m = -1.0F;  ///< MapLandmark::sigma_m of the file that it came from; negative: of no file
   MapSlot map = 0;
-  std::uint16_t misses = 0;  ///< scans in a row that should have shown it
-  double sum_x_m = 0.0;      ///< of weight times place, over prior and sightings
+  std::uint16_t misses = 0;         ///< scans in a row that should have shown it
+  std::uint32_t next = UINT32_MAX;  ///< slot of another landmark of its map
+  std::uint32_t previous = UINT32_MAX;
+  double sum_x_m = 0.0;  ///< of weight times place, over prior and sightings
   double sum_y_m = 0.0;
   double sum_weight = 0.0;
 };
@@ -76,6 +78,7 @@ struct GraphSighting {
 class SightingGraph {
  public:
   static constexpr std::uint32_t kNone = UINT32_MAX;
+  static constexpr std::size_t kMapsMax = 16;
 
   SightingGraph(Arena& arena, const Config& config) noexcept;
 
@@ -100,8 +103,13 @@ class SightingGraph {
   /// its place.
   std::uint32_t add_pose(const GraphPose& pose, std::span<const Seen> seen,
                          Weights weights = Weights::Robust) noexcept;
+  /// Landmarks that went, and those that a second scan had confirmed and are confirmed no more.
+  struct Loss {
+    std::uint32_t landmarks = 0;
+    std::uint32_t confirmed = 0;
+  };
   /// Takes a pose and its sightings out again; landmarks that nothing else supports go, too.
-  void remove_pose(std::uint32_t pose) noexcept;
+  Loss remove_pose(std::uint32_t pose) noexcept;
 
   /// Moves the pose to its best place against what the other poses say of its landmarks.
   void refit(std::uint32_t pose) noexcept;
@@ -111,10 +119,9 @@ class SightingGraph {
   void refit_in_turn(std::uint32_t sightings) noexcept;
 
   /// Makes all of `from` part of `to`: T_to_from takes coordinates of one to the other. `twins` are pairs (of
-  /// from, of to) that are one landmark.
+  /// from, of to) that are one landmark. Takes time in proportion to the landmarks of `from` and the poses.
   void merge(MapSlot from, MapSlot to, const Pose2& T_to_from, std::span<const Match> twins) noexcept;
-  /// `gone` and `kept` are one landmark: its sightings go to `kept`. The places follow at sum_anew or
-  /// group_step.
+  /// `gone` and `kept` are one landmark: its sightings go to `kept`, whose place follows at once.
   void unite(std::uint32_t gone, std::uint32_t kept) noexcept;
   /// Whether `a` and `b` can be one landmark, as far as is still known: no scan that is kept shows both, and
   /// not both come from before what is kept.
@@ -164,6 +171,15 @@ class SightingGraph {
       }
     }
   }
+  /// The landmarks of a map: visit(slot), which may remove that landmark.
+  template <typename Visit>
+  void visit_landmarks(MapSlot map, Visit&& visit) const noexcept {
+    for (std::uint32_t slot = first_of_map_[map]; slot != kNone;) {
+      const std::uint32_t next = landmarks_[slot].next;
+      visit(slot);
+      slot = next;
+    }
+  }
   [[nodiscard]] std::uint64_t sightings_kept() const noexcept { return sighting_head_ - sighting_tail_; }
   [[nodiscard]] std::uint64_t poses_folded() const noexcept { return folded_; }
 
@@ -201,6 +217,8 @@ class SightingGraph {
     std::array<Eigen::Matrix3d, kGroupsMax> groups{};
   };
 
+  void put_into_map(std::uint32_t slot, MapSlot map) noexcept;
+  void take_out_of_map(std::uint32_t slot) noexcept;
   void chain(std::uint32_t sighting) noexcept;
   void unchain(std::uint32_t sighting) noexcept;
   void add_to_sum(const GraphSighting& sighting, const Pose2& T_W_B, double sign) noexcept;
@@ -235,6 +253,7 @@ class SightingGraph {
   BoundedVector<Standing> standing_;
   BoundedVector<std::uint8_t> used_;
   BoundedVector<std::uint32_t> free_;
+  std::array<std::uint32_t, kMapsMax> first_of_map_{};  // landmarks
   BoundedVector<GraphPose> poses_;
   BoundedVector<GraphSighting> sightings_;
   BoundedVector<std::uint32_t> marks_;  // per pose, of may_be_one
