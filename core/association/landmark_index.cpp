@@ -49,6 +49,16 @@ std::uint32_t buckets_for(const AssociationConfig& config, const Capacities& cap
   return std::bit_ceil(std::max(kBucketsMin, static_cast<std::uint32_t>(wanted / std::sqrt(2.0))));
 }
 
+/// Twice as many cells where the buckets, whose number is a power of two as well, leave the memory for it.
+std::uint32_t cells_for(const AssociationConfig& config, const Capacities& capacities) noexcept {
+  constexpr double kBytesPerCell = 12.0;
+  constexpr double kBytesPerBucket = 24.0;  // with the half of a chunk that is empty
+  const double bytes_most = (10.0 + 5.0 * neighbours_of(config)) * capacities.map_landmarks;
+  const std::uint32_t many = std::bit_ceil(std::max(kCellsMin, capacities.map_landmarks));
+  const double bytes = kBytesPerCell * many + kBytesPerBucket * buckets_for(config, capacities);
+  return bytes <= bytes_most ? many : std::bit_floor(std::max(kCellsMin, capacities.map_landmarks));
+}
+
 std::size_t chunks_for(const AssociationConfig& config, const Capacities& capacities,
                        double chunk_entries) noexcept {
   const double entries = kChunkReserve * entries_for(config, capacities);
@@ -68,7 +78,7 @@ LandmarkIndex::LandmarkIndex(Arena& arena, const AssociationConfig& config,
       apex_shift_(32U - bits_for(capacities.map_landmarks)),
       low_bits_(std::min(kLowBitsMost, (apex_shift_ - pair_bits(config)) / 3U)),
       tag_mask_(0),
-      cell_mask_(std::bit_floor(std::max(kCellsMin, capacities.map_landmarks)) - 1U),
+      cell_mask_(cells_for(config, capacities) - 1U),
       cell_stride_(static_cast<std::uint32_t>(kGoldenShare * (cell_mask_ + 1.0)) | 1U),
       bucket_mask_(buckets_for(config, capacities) - 1U),
       ground_reach_m_(kGroundTolerances * config.tolerance_m),
