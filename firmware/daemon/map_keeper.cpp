@@ -200,7 +200,7 @@ void MapKeeper::forget_map(std::uint64_t revision) {
 
 /// Of the map that is there to be saved; that of an earlier map counts as saved.
 std::uint64_t MapKeeper::revision() const {
-  return std::max(valid_from_, threads_.map().read([](const MapSnapshot& map) { return map.revision(); }));
+  return std::max(valid_from_, threads_.map().revision());
 }
 
 bool MapKeeper::is_unsaved() const {
@@ -214,14 +214,17 @@ tl::expected<std::string, StoreError> MapKeeper::store(const std::string& name, 
   if (config_.datum) {
     about.datum = config_.datum;
   }
-  // Saved from a copy: publishing does not wait for the disk.
-  threads_.map().read([&](const MapSnapshot& map) { snapshot_ = map; });
-  if (snapshot_.empty() || snapshot_.revision() < valid_from_) {
-    return store_failure(StoreFault::Missing, "there is no map to save yet; make a scan first");
-  }
-  const std::uint64_t revision = snapshot_.revision();
-  const std::size_t landmarks = snapshot_.state().landmarks.size();
-  auto saved = store_.save(about, snapshot_.state(), seconds_of(now.utc));
+  std::uint64_t revision = 0;
+  std::size_t landmarks = 0;
+  // Others go without a copy until it is on the disk; neither the SLAM nor the publish thread waits for it.
+  auto saved = threads_.map().read([&](const MapSnapshot& map) -> tl::expected<SavedMap, StoreError> {
+    if (map.empty() || map.revision() < valid_from_) {
+      return store_failure(StoreFault::Missing, "there is no map to save yet; make a scan first");
+    }
+    revision = map.revision();
+    landmarks = map.state().landmarks.size();
+    return store_.save(about, map.state(), seconds_of(now.utc));
+  });
   if (!saved) {
     policy_.failed(now.monotonic);
     return tl::unexpected(saved.error());

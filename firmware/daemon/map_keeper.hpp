@@ -97,8 +97,7 @@ class MapKeeper {
   std::optional<Pending> pending_;
   std::optional<SlamAnswer> answer_;    // to it
   std::optional<MapMode> mode_wanted_;  // by a changed setting
-  MapSnapshot snapshot_;
-  std::uint64_t valid_from_ = 0;  // maps of earlier revisions are those before the last load or reset
+  std::uint64_t valid_from_ = 0;        // maps of earlier revisions are those before the last load or reset
   std::uint32_t replaced_ = 0;
   bool is_frozen_;
   bool is_frozen_set_;  // by the settings

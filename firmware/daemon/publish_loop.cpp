@@ -217,19 +217,22 @@ void PublishLoop::publish_map(const OutputTime& now) {
 
 /// Whether the map is to be sent now: a copy of it is there then.
 bool PublishLoop::begin_map(hal::Stamp now) {
-  const bool is_due = inlets_.slam.map.read([&](const MapSnapshot& map) {
-    const bool is_changed = now >= map_due_ && map.revision() != map_.revision();
-    const bool is_repeat = now >= map_repeat_ && map.revision() != 0;
-    if (is_changed || is_repeat) {
-      map_ = map;
-    }
-    return is_changed || is_repeat;
-  });
-  if (is_due) {
-    map_due_ = now + hal::from_seconds(config_.lcm.map_period_s);
-    map_repeat_ = now + kMapRepeatPeriods * hal::from_seconds(config_.lcm.map_period_s);
+  MapOutlet& outlet = inlets_.slam.map;
+  const bool is_changed = now >= map_due_ && outlet.revision() != map_.revision();
+  const bool is_repeat = now >= map_repeat_ && outlet.revision() != 0;
+  if (!is_changed && !is_repeat) {
+    return false;
   }
-  return is_due;
+  if (outlet.copied() == map_.revision() && outlet.revision() != outlet.copied()) {
+    outlet.ask();  // it will be there at one of the next steps
+    return false;
+  }
+  if (!outlet.try_read([&](const MapSnapshot& map) { map_ = map; })) {
+    return false;
+  }
+  map_due_ = now + hal::from_seconds(config_.lcm.map_period_s);
+  map_repeat_ = now + kMapRepeatPeriods * hal::from_seconds(config_.lcm.map_period_s);
+  return true;
 }
 
 void PublishLoop::drive_gpio(hal::Stamp now) {

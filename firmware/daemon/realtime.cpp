@@ -76,6 +76,7 @@ tl::expected<void, std::string> lock_memory() {
   // Freed memory stays in the process, and no allocation becomes a mapping of its own.
   mallopt(M_TRIM_THRESHOLD, -1);
   mallopt(M_MMAP_MAX, 0);
+  mallopt(M_ARENA_MAX, 1);  // each further heap would lock 64 MiB of addresses; the threads hardly allocate
   if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
     return tl::unexpected(std::string("memory cannot be locked: ") + std::strerror(errno) +
                           "; give the service LimitMEMLOCK=infinity (or CAP_IPC_LOCK), or set "

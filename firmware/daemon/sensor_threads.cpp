@@ -219,6 +219,7 @@ void SensorThreads::run_slam() {
       publish_->wake();
     }
   }
+  slam_.end();
 }
 
 void SensorThreads::run_inclination() {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <thread>
 #include <variant>
 
 namespace slamsensor::firmware {
@@ -22,6 +23,36 @@ hal::Stamp search_time(void* context) noexcept {
 
 }  // namespace
 
+void MapOutlet::post(const core::Slam& slam) noexcept {
+  map_.take(slam);
+  set_revision(map_.revision());
+  copied_.store(map_.revision(), std::memory_order_release);
+  phase_.store(Phase::Free, std::memory_order_release);
+}
+
+void MapOutlet::ask() noexcept {
+  if (copied() != revision()) {
+    static_cast<void>(turn(Phase::Free, Phase::Asked));
+  }
+}
+
+/// Ends with the room in the hands of the readers.
+void MapOutlet::wait_for_newest() {
+  constexpr std::chrono::milliseconds kNap{1};
+  const auto give_up = std::chrono::steady_clock::now() + kPatience;
+  const bool is_stale = copied() != revision();
+  const std::uint64_t before = copied();
+  while (true) {
+    const bool is_late = std::chrono::steady_clock::now() > give_up;
+    if ((!is_stale || is_late || copied() != before) &&
+        (turn(Phase::Free, Phase::Readers) || (is_late && turn(Phase::Asked, Phase::Readers)))) {
+      return;
+    }
+    ask();
+    std::this_thread::sleep_for(kNap);
+  }
+}
+
 SlamLoop::SlamLoop(const Config& config, ScanQueue& scans, SlamOrders& orders, SlamOutlets& outlets)
     : deadline_(hal::from_seconds(config.daemon.realtime.slam_deadline_s)),
       pipeline_(config.core),
@@ -30,29 +61,46 @@ SlamLoop::SlamLoop(const Config& config, ScanQueue& scans, SlamOrders& orders, S
       outlets_(outlets),
       counters_(kNames) {
   if (config.daemon.map_store.frozen) {
-    pipeline_.carry_out(MapCommand::Freeze, {}, core::Frozen::Yes, outlets.map.draft());
+    pipeline_.carry_out(MapCommand::Freeze, {}, core::Frozen::Yes, outlets.map.room());
   }
   post_status();
 }
 
 bool SlamLoop::step(const SlamClock& clock) noexcept {
   if (const SlamOrder* const order = orders_.order()) {
-    carry_out(*order);
-    return true;
+    return carry_out(*order);
   }
   if (const auto event = scans_.take()) {
     take(*event, clock);
     return true;
   }
+  if (outlets_.map.is_asked()) {
+    post_map();
+    return true;
+  }
   return false;
 }
 
-void SlamLoop::carry_out(const SlamOrder& order) noexcept {
+void SlamLoop::end() noexcept {
+  if (outlets_.map.copied() != pipeline_.slam().revision()) {
+    while (!outlets_.map.claim()) {
+      std::this_thread::yield();  // somebody reads an older one
+    }
+    outlets_.map.post(pipeline_.slam());
+  }
+}
+
+/// False while others read the room that the order may take.
+bool SlamLoop::carry_out(const SlamOrder& order) noexcept {
+  if (!outlets_.map.claim()) {
+    return false;
+  }
   const core::MapCheck check =
-      pipeline_.carry_out(order.kind, order.state, order.frozen, outlets_.map.draft());
-  post_map();
+      pipeline_.carry_out(order.kind, order.state, order.frozen, outlets_.map.room());
+  outlets_.map.post(pipeline_.slam());
   post_status();
   orders_.done({check, pipeline_.slam().revision(), status_.scans});
+  return true;
 }
 
 void SlamLoop::take(const HeadEvent& event, const SlamClock& clock) noexcept {
@@ -88,6 +136,7 @@ void SlamLoop::answer(const core::Fix& fix, const ScanEnded& scan, hal::Stamp no
   ++status_.scans;
   status_.fixes += fix.status == core::FixStatus::Fix ? 1 : 0;
   send(fix, now);
+  outlets_.map.set_revision(pipeline_.slam().revision());
   post_map();
   post_status();
 }
@@ -118,13 +167,9 @@ void SlamLoop::send(const core::Fix& fix, hal::Stamp now) noexcept {
 }
 
 void SlamLoop::post_map() noexcept {
-  const core::Slam& slam = pipeline_.slam();
-  if (slam.revision() == revision_posted_) {
-    return;
+  if (outlets_.map.is_asked() && outlets_.map.claim()) {
+    outlets_.map.post(pipeline_.slam());
   }
-  revision_posted_ = slam.revision();
-  outlets_.map.draft().take(slam);
-  outlets_.map.post();
 }
 
 void SlamLoop::post_status() noexcept {

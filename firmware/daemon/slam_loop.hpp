@@ -17,10 +17,12 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <mutex>
 #include <optional>
 #include <span>
+#include <utility>
 
 namespace slamsensor::firmware {
 
@@ -91,26 +93,82 @@ struct FixMessage {
   }
 };
 
-/// The home map from the SLAM thread, which never waits, to those who save and send it.
+/// The home map from the SLAM thread, which never waits, to those who save and send it. A copy takes time in
+/// proportion to the map, so that it is made when somebody asks for it, between two scans. There is room for
+/// one.
 class MapOutlet {
  public:
-  explicit MapOutlet(const core::Capacities& capacities) : mailbox_(MapSnapshot(capacities)) {}
+  explicit MapOutlet(const core::Capacities& capacities) : map_(capacities) {}
 
-  /// SLAM thread: room for the map that is posted next.
-  [[nodiscard]] MapSnapshot& draft() noexcept { return mailbox_.draft(); }
-  void post() noexcept { mailbox_.post(); }
+  /// Of the map that the SLAM thread has; any thread.
+  [[nodiscard]] std::uint64_t revision() const noexcept { return revision_.load(std::memory_order_acquire); }
+  /// Of the copy that is there; any thread.
+  [[nodiscard]] std::uint64_t copied() const noexcept { return copied_.load(std::memory_order_acquire); }
 
-  /// Any other thread: calls `use(const MapSnapshot&)` with the newest map, under a lock.
+  /// SLAM thread: the map is another one from now on.
+  void set_revision(std::uint64_t revision) noexcept { revision_.store(revision, std::memory_order_release); }
+  /// SLAM thread: whether somebody waits for a copy.
+  [[nodiscard]] bool is_asked() const noexcept {
+    return phase_.load(std::memory_order_acquire) == Phase::Asked;
+  }
+  /// SLAM thread: the room is its own until `post`; false while others read it.
+  [[nodiscard]] bool claim() noexcept {
+    return turn(Phase::Asked, Phase::Slam) || turn(Phase::Free, Phase::Slam);
+  }
+  [[nodiscard]] MapSnapshot& room() noexcept { return map_; }
+  /// SLAM thread, after `claim`: a copy of the home map is what others read from now on.
+  void post(const core::Slam& slam) noexcept;
+
+  /// Any other thread: a newer copy is to be made, if there is one.
+  void ask() noexcept;
+  /// Any other thread: calls `use(const MapSnapshot&)` with the copy that is there; false, without a call,
+  /// while another one has it.
+  template <typename Use>
+  [[nodiscard]] bool try_read(const Use& use) {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock || !turn(Phase::Free, Phase::Readers)) {
+      return false;
+    }
+    use(map_);
+    phase_.store(Phase::Free, std::memory_order_release);
+    return true;
+  }
+  /// Any other thread that may wait: calls `use(const MapSnapshot&)` with the newest map, or with an older
+  /// one when the SLAM thread does not answer within kPatience.
   template <typename Use>
   auto read(const Use& use) {
     const std::scoped_lock lock(mutex_);
-    static_cast<void>(mailbox_.refresh());
-    return use(mailbox_.value());
+    wait_for_newest();
+    const Reading reading(phase_);
+    return use(std::as_const(map_));
   }
 
  private:
+  enum class Phase : std::uint8_t { Free, Asked, Slam, Readers };
+  static constexpr std::chrono::milliseconds kPatience{2'000};
+
+  /// Gives the room back.
+  class Reading {
+   public:
+    explicit Reading(std::atomic<Phase>& phase) : phase_(phase) {}
+    ~Reading() { phase_.store(Phase::Free, std::memory_order_release); }
+    Reading(const Reading&) = delete;
+    Reading& operator=(const Reading&) = delete;
+
+   private:
+    std::atomic<Phase>& phase_;
+  };
+
+  [[nodiscard]] bool turn(Phase from, Phase to) noexcept {
+    return phase_.compare_exchange_strong(from, to, std::memory_order_acq_rel);
+  }
+  void wait_for_newest();
+
   std::mutex mutex_;  // between the readers
-  Mailbox<MapSnapshot> mailbox_;
+  std::atomic<Phase> phase_{Phase::Free};
+  std::atomic<std::uint64_t> revision_{0};
+  std::atomic<std::uint64_t> copied_{0};
+  MapSnapshot map_;
 };
 
 /// Where the SLAM thread puts what others read. Fixes and status are the publish thread's alone.
@@ -144,13 +202,17 @@ class SlamLoop {
   /// The others outlive this.
   SlamLoop(const Config& config, ScanQueue& scans, SlamOrders& orders, SlamOutlets& outlets);
 
-  /// Carries out an order, or folds in the next message of the queue; false when there was neither.
+  /// Carries out an order, folds in the next message of the queue, or copies the map for those who asked for
+  /// it; false when there was nothing to do.
   [[nodiscard]] bool step(const SlamClock& clock) noexcept;
+
+  /// After the last step: the map as it stands is there for those who save it.
+  void end() noexcept;
 
   [[nodiscard]] const core::Slam& slam() const noexcept { return pipeline_.slam(); }
 
  private:
-  void carry_out(const SlamOrder& order) noexcept;
+  [[nodiscard]] bool carry_out(const SlamOrder& order) noexcept;
   void take(const HeadEvent& event, const SlamClock& clock) noexcept;
   void answer(const core::Fix& fix, const ScanEnded& scan, hal::Stamp now) noexcept;
   void void_fix(const ScanAborted& scan, const SlamClock& clock) noexcept;
@@ -165,7 +227,6 @@ class SlamLoop {
   SlamOutlets& outlets_;
   FixMessage message_;  // in the making
   SlamStatus status_;
-  std::uint64_t revision_posted_ = 0;
   std::uint32_t lines_ = 0;  // of the scan under way
   hal::Counters<SlamEvent, 4> counters_;
 };

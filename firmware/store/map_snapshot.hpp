@@ -10,11 +10,17 @@
 namespace slamsensor::firmware {
 
 /// A copy of the home map as it stood at one moment, to be handed from the SLAM thread to those that
-/// save, send or draw it (Mailbox<MapSnapshot>). Its memory is taken and written to at construction.
+/// save, send or draw it (MapOutlet). Its memory is taken and written to at construction.
 class MapSnapshot {
  public:
   MapSnapshot() = default;
   explicit MapSnapshot(const core::Capacities& capacities);
+
+  /// What such a copy takes from the heap.
+  [[nodiscard]] static std::size_t bytes(const core::Capacities& capacities) noexcept {
+    return capacities.map_landmarks * (sizeof(core::MapLandmark) + sizeof(core::Point2)) +
+           capacities.path_poses * sizeof(core::PathPose);
+  }
 
   /// Holds what `slam` now holds as its home map; empty when there is none. No allocation.
   void take(const core::Slam& slam) noexcept;

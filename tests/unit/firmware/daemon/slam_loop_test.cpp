@@ -71,7 +71,11 @@ class SlamLoopTest : public testing::Test {
     }
   }
 
+  /// Of the newest map, which is copied for it.
   std::uint64_t revision() {
+    outlets.map.ask();
+    run();
+    EXPECT_EQ(outlets.map.copied(), outlets.map.revision());
     return outlets.map.read([](const MapSnapshot& map) { return map.revision(); });
   }
 
@@ -93,6 +97,52 @@ TEST_F(SlamLoopTest, SendsAFixForEachScan) {
   EXPECT_EQ(second->scan_ended, kNow);
   EXPECT_GT(second->seen().size(), 8U);
   EXPECT_EQ(loop.slam().revision(), revision());
+}
+
+TEST_F(SlamLoopTest, CopiesTheMapWhenAskedAndAtItsEndAlone) {
+  ASSERT_TRUE(scan_at(0.0));
+  EXPECT_GT(outlets.map.revision(), 0U);
+  EXPECT_EQ(outlets.map.copied(), 0U) << "nobody asked";
+  ASSERT_TRUE(outlets.map.try_read([](const MapSnapshot& map) { EXPECT_TRUE(map.empty()); }));
+  const std::uint64_t first = revision();
+  ASSERT_TRUE(scan_at(2.0));
+  EXPECT_GT(outlets.map.revision(), first);
+  EXPECT_EQ(outlets.map.copied(), first);
+  loop.end();
+  EXPECT_EQ(outlets.map.copied(), outlets.map.revision());
+  outlets.map.ask();
+  EXPECT_FALSE(outlets.map.is_asked()) << "there is no newer one";
+  outlets.map.read([&](const MapSnapshot& map) { EXPECT_EQ(map.revision(), loop.slam().revision()); });
+}
+
+// A busy SLAM thread is never idle: then the map is copied when a scan's fix was sent.
+TEST_F(SlamLoopTest, AMapAskedForDuringAScanComesAfterItsFix) {
+  ASSERT_TRUE(scan_at(0.0));
+  outlets.map.ask();
+  ASSERT_TRUE(outlets.map.is_asked());
+  EXPECT_FALSE(outlets.map.try_read([](const MapSnapshot&) { FAIL() << "it is being made"; }));
+  Scanline scanline;
+  scanline.readings = sweep_from(2.0, Place::Posts);
+  ASSERT_TRUE(queue.push(scanline));
+  ASSERT_TRUE(queue.push(ScanEnded{
+      .begin = kNow - seconds(3), .middle = kNow - seconds(2), .end = kNow, .lines = 1, .known = kNow}));
+  ASSERT_TRUE(loop.step({clock_now, seconds(1000), &is_stopping}));
+  EXPECT_TRUE(outlets.map.is_asked());
+  ASSERT_TRUE(loop.step({clock_now, seconds(1000), &is_stopping}));
+  EXPECT_FALSE(outlets.map.is_asked());
+  EXPECT_EQ(outlets.map.copied(), outlets.map.revision());
+}
+
+// An older map is better than none, and the one that is not answered may not write into what is read.
+TEST_F(SlamLoopTest, AReaderThatIsNotAnsweredGetsTheOlderMap) {
+  ASSERT_TRUE(scan_at(0.0));
+  const std::uint64_t first = revision();
+  ASSERT_TRUE(scan_at(2.0));
+  outlets.map.read([&](const MapSnapshot& map) {
+    EXPECT_EQ(map.revision(), first);
+    EXPECT_FALSE(outlets.map.claim());
+    EXPECT_FALSE(outlets.map.is_asked());
+  });
 }
 
 TEST_F(SlamLoopTest, AStopEndsASearchAndItsScanHasNoResult) {
@@ -136,6 +186,7 @@ TEST_F(SlamLoopTest, OrdersComeBeforeScansAndAreAnswered) {
 
 TEST_F(SlamLoopTest, AMapMarkedFrozenIsFrozenBeforeTheNextScan) {
   ASSERT_TRUE(scan_at(0.0));
+  ASSERT_GT(revision(), 0U);
   // What a Restore points to stays until it is answered.
   const MapSnapshot kept = outlets.map.read([](const MapSnapshot& map) { return map; });
   ASSERT_TRUE(orders.give({.kind = MapCommand::Restore, .state = kept.state(), .frozen = core::Frozen::Yes}));
