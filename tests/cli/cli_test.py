@@ -147,8 +147,17 @@ class Cli(unittest.TestCase):
     def test_memory_plan_adds_up(self):
         code, output, _ = run("memory")
         self.assertEqual(code, OK)
-        rows = output.splitlines()[1:]
+        plan, sizes = output.split("\n\n")
+        rows = plan.splitlines()[1:]
         self.assertEqual(sum(int(row.split()[-1]) for row in rows[:-1]), int(rows[-1].split()[-1]))
+        sizes = [[float(cell) for cell in row.split()] for row in sizes.splitlines()[1:4]]
+        self.assertEqual([row[0] for row in sizes], [1e4, 1e5, 1e6])
+        self.assertEqual(int(rows[-1].split()[-1]), sizes[0][3])  # the default's capacity
+        for _, index, entry, block, copies in sizes:
+            self.assertLessEqual(index, 128)
+            self.assertLessEqual(index + entry, 256)
+        self.assertLessEqual(sum(sizes[0][3:]), 16 * 2 ** 20)  # what a daemon of 64 MiB has for it
+        self.assertLessEqual(sum(sizes[1][3:]), 80 * 2 ** 20)  # of 128 MiB
 
     def test_edges_draws_the_curve(self):
         code, output, _ = run("edges", "--points", 200, "--depth", 4, "--sets", 2, "--out", self.folder / "e.svg")

@@ -2,6 +2,7 @@
 """The daemon where something is missing or broken: it says so, keeps its outputs alive, and recovers by itself; or it
 does not start, and says why. degraded_test.py SLAMSENSOR SLAMSENSORD"""
 import os
+import pathlib
 import re
 import shutil
 import signal
@@ -49,6 +50,28 @@ class Degraded(unittest.TestCase):
             self.assertIn(part, log)
         self.assertIn(" error: ", log)
         return log
+
+    # Memory.
+
+    def locks_at_most(self, mebibytes, landmarks):
+        self.sensor.start({"capacities.map_landmarks": landmarks, "capacities.map_edges": 12 * landmarks,
+                           "capacities.sightings": 10 * landmarks, "mapping.hypotheses_max": 3})
+        self.sensor.wait_status(lambda s: s["devices"]["pan_tilt"]["problem"], "a problem")
+        text = pathlib.Path(f"/proc/{self.sensor.daemon.pid}/status").read_text()
+        locked, resident = (int(re.search(rf"{key}:\s+(\d+) kB", text)[1]) / 1024 for key in ("VmLck", "VmHWM"))
+        self.ends()
+        if locked == 0:
+            self.skipTest("memory cannot be locked here")
+        self.assertLess(locked, mebibytes)
+        self.assertLess(resident, mebibytes)
+
+    @unittest.skipIf("SLAMSENSOR_SANITIZED" in os.environ, "a sanitizer takes more than the program")
+    def test_a_map_of_10_000_landmarks_and_3_hypotheses_locks_64_mebibytes(self):
+        self.locks_at_most(64, 10_000)
+
+    @unittest.skipIf("SLAMSENSOR_SANITIZED" in os.environ, "a sanitizer takes more than the program")
+    def test_a_map_of_100_000_landmarks_locks_128_mebibytes(self):
+        self.locks_at_most(128, 100_000)
 
     # Devices.
 

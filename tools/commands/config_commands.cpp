@@ -1,16 +1,21 @@
 #include "core/slam.hpp"
 #include "firmware/config/list_config.hpp"
+#include "firmware/store/map_snapshot.hpp"
 #include "tools/commands/command.hpp"
 
 #include <CLI/CLI.hpp>
 
-#include <array>
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
+#include <initializer_list>
 #include <memory>
 #include <string_view>
 
 namespace slamsensor::tools {
 namespace {
+
+constexpr std::size_t kMapCopies = 2;  // of the daemon: the SLAM thread's outlet, and what is being sent
 
 CommandResult check(const ConfigOptions& options, bool print_defaults) {
   if (print_defaults) {
@@ -45,11 +50,48 @@ void print_plan(const core::Arena::Plan& plan, std::size_t bytes) {
   std::printf("%-36s %12s %14zu\n", "one block, taken before anything starts", "", bytes);
 }
 
+/// Bytes of the entries whose names begin with one of `beginnings`.
+std::size_t bytes_of(const core::Arena::Plan& plan, std::initializer_list<std::string_view> beginnings) {
+  std::size_t bytes = 0;
+  for (const auto& entry : plan) {
+    const std::string_view name = entry.name;
+    bytes += std::any_of(beginnings.begin(), beginnings.end(),
+                         [&](std::string_view beginning) { return name.starts_with(beginning); })
+                 ? entry.bytes
+                 : 0;
+  }
+  return bytes;
+}
+
+/// What the same configuration takes with other capacities: a line for each size of the map, with ten
+/// sightings and twelve edges for a landmark, and the poses as they are set.
+void print_sizes(core::Config config) {
+  std::printf("\n%-12s %14s %14s %14s %14s\n", "landmarks", "index B each", "entry B each", "block bytes",
+              "copies bytes");
+  for (const std::uint32_t landmarks : {10'000U, 100'000U, 1'000'000U}) {
+    config.capacities.map_landmarks = landmarks;
+    config.capacities.map_edges = 12 * landmarks;
+    config.capacities.sightings = 10 * landmarks;
+    std::size_t bytes = 0;
+    const core::Arena::Plan plan = core::plan_memory(config, bytes);
+    const std::size_t index = bytes_of(plan, {"index: "});
+    const std::size_t entry =
+        bytes_of(plan, {"maps: landmarks", "maps: positions", "maps: standing", "maps: slots", "maps: free"});
+    std::printf("%-12u %14.1f %14.1f %14zu %14zu\n", landmarks, static_cast<double>(index) / landmarks,
+                static_cast<double>(entry) / landmarks, bytes,
+                kMapCopies * firmware::MapSnapshot::bytes(config.capacities));
+  }
+  std::puts(
+      "each: of a landmark, in the index and in the map; copies: of the home map, for those who save and "
+      "send it");
+}
+
 CommandResult memory(const ConfigOptions& options) {
   return load(options).map([](const firmware::LoadedConfig& loaded) {
     std::size_t bytes = 0;
     const core::Arena::Plan plan = core::plan_memory(loaded.config.core, bytes);
     print_plan(plan, bytes);
+    print_sizes(loaded.config.core);
     return EX_OK;
   });
 }
