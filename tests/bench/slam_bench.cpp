@@ -1,6 +1,7 @@
 // The whole step (DESIGN 2.7, 7): core::Slam::process while a map grows to about 1,000 landmarks, with what
 // it asks of the heap and of the kernel, and the memory plan.
 #include "core/config.hpp"
+#include "core/detection/landmark_detector.hpp"
 #include "core/slam.hpp"
 #include "tests/bench/heap_watch.hpp"
 #include "tests/bench/matching_task.hpp"
@@ -121,6 +122,102 @@ void measure_steps(Row row, const Drive& drive, const core::Config& config) {
       .finish(times.mean_ms());
 }
 
+/// A map of `trees` landmarks, each seen ten times, and scans of 60 landmarks all over it. The shots of a
+/// scan are those of three scanlines past the same trees: what the detection makes of them is not used, so
+/// that all sizes have the same landmarks.
+struct Steady {
+  static constexpr std::uint32_t kNearest = 80;
+  static constexpr std::size_t kScans = 300;
+  static constexpr std::size_t kShots = 7'200;
+  static constexpr double kTreeRadius_m = 0.2;
+
+  explicit Steady(std::uint32_t trees) {
+    tests::Draw draw(kSeed);
+    const tests::Forest forest = tests::make_forest(trees, draw);
+    positions_W = forest.trees_W;
+    for (std::uint32_t id = 0; id < trees; ++id) {
+      landmarks.push_back(
+          {.id = id, .xi = 0, .sightings = 10, .chances = 12, .first_scan = 0, .last_scan = 0});
+    }
+    const Surroundings surroundings(forest);
+    const tests::ScanModel model{kNearest, 0.3, 4, 0.1};
+    for (std::size_t i = 0; i < kScans; ++i) {
+      const core::Pose2 pose_W = tests::pose_in(forest, draw);
+      const auto seen =
+          tests::scan_forest(surroundings.about(pose_W.translation(), kNearest), pose_W, model, draw);
+      scans.push_back({tests::as_landmarks(seen), pose_W});
+      shots.push_back(shots_at(seen));
+    }
+  }
+
+  [[nodiscard]] core::MapState state() const {
+    core::MapState state;
+    state.landmarks = landmarks;
+    state.positions_W = positions_W;
+    state.next_id = static_cast<std::uint32_t>(landmarks.size());
+    state.scans = 1;
+    return state;
+  }
+
+  static std::vector<core::Reading> shots_at(const std::vector<core::Point2>& trees_L) {
+    std::vector<core::Reading> readings(kShots);
+    const double step_rad = 2.0 * std::numbers::pi / static_cast<double>(kShots);
+    for (std::size_t i = 0; i < kShots; ++i) {
+      readings[i] = {step_rad * static_cast<double>(i) - std::numbers::pi, 0.0, core::Reading::kNoReturn};
+    }
+    for (const core::Point2& tree : trees_L) {
+      const double range_m = tree.norm();
+      const double half_rad = kTreeRadius_m / range_m;
+      const double bearing_rad = std::atan2(tree.y(), tree.x()) + std::numbers::pi;
+      for (double turn_rad = -half_rad; turn_rad <= half_rad; turn_rad += step_rad) {
+        const double turned = (bearing_rad + turn_rad) / step_rad + static_cast<double>(kShots);
+        core::Reading& reading = readings[static_cast<std::size_t>(turned) % kShots];
+        reading.range_m = reading.has_return() ? std::min(reading.range_m, range_m) : range_m;
+      }
+    }
+    return readings;
+  }
+
+  std::vector<core::MapLandmark> landmarks;
+  std::vector<core::Point2> positions_W;
+  std::vector<SeenScan> scans;
+  std::vector<std::vector<core::Reading>> shots;
+};
+
+/// Times of scans in a map that holds all that they show (tests/bench/profile says where they go).
+void measure_steady(Row row, std::uint32_t trees, core::Config config) {
+  config.capacities.scan_landmarks = core::kScanLandmarksMax;
+  const Steady steady(trees);
+  tests::InArena<core::Slam> slam(config);
+  tests::InArena<core::LandmarkDetector> detector(config.detection);
+  if (!slam->restore(steady.state()).ok()) {
+    std::abort();
+  }
+  Times times(steady.scans.size());
+  Times detection_times(steady.scans.size());
+  std::size_t fixes = 0;
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < steady.scans.size(); ++i) {
+    detection_times.add(cpu_of_ms([&] {
+      for (int line = 0; line < 3; ++line) {
+        detector->add_scanline(steady.shots[i]);
+      }
+      benchmark::DoNotOptimize(detector->finish());
+    }));
+    core::Fix fix;
+    times.add(cpu_of_ms([&] { fix = slam->process(steady.scans[i].landmarks, {}, {}, {}); }));
+    const bool is_fix = fix.status == core::FixStatus::Fix;
+    fixes += is_fix ? 1 : 0;
+    wrong += is_fix && !tests::is_right(fix.pose_W, steady.scans[i].truth_W) ? 1 : 0;
+  }
+  row.number("scans", static_cast<double>(times.count()), 0)
+      .number("fixes", static_cast<double>(fixes), 0)
+      .number("beyond 1 m or 2 deg", static_cast<double>(wrong), 0)
+      .number("detection ms", detection_times.quantile_ms(0.5), 3)
+      .times(times)
+      .finish(times.mean_ms());
+}
+
 void measure_plan(Row row, const core::Config& config) {
   std::size_t bytes = 0;
   const core::Arena::Plan plan = core::plan_memory(config, bytes);
@@ -165,6 +262,14 @@ int main(int argc, char** argv) {
   });
   steps.add_note(
       "Errors are in the frame of the first scan: the drift of the map over the drive is in them.");
+  Report steady(
+      "Scans of 60 landmarks in a map that holds them (tests/bench/profile: where their time goes)");
+  for (const std::uint32_t trees : {1'000U, 10'000U, 100'000U}) {
+    add_benchmark("slam/steady/n=" + std::to_string(trees), [=, &steady](benchmark::State& state) {
+      measure_steady(Row(state, steady, std::to_string(trees) + " landmarks"), trees,
+                     config_for(trees + 5'000, 3));
+    });
+  }
   Report plan("Memory plan of core::Slam, taken once at the start (target: the whole daemon in 64 MiB)");
   add_plan(plan, "default config", {});
   add_plan(plan, "1,000 landmarks x 3 hypotheses", config_for(1000, 3));
@@ -172,6 +277,7 @@ int main(int argc, char** argv) {
   add_plan(plan, "100,000 landmarks x 3 hypotheses", config_for(100'000, 3));
   add_plan(plan, "1,000,000 landmarks x 3 hypotheses", config_for(1'000'000, 3));
   const int exit_code = run(argc, argv, steps);
+  steady.print();
   plan.print();
   return exit_code;
 }
