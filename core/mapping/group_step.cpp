@@ -83,11 +83,11 @@ void SightingGraph::group_step(MapSlot map, double sigma_m, double gain_min) noe
 double SightingGraph::squares(MapSlot map) const noexcept {
   double sum = 0.0;
   visit_poses([&](std::uint32_t, const GraphPose& pose) {
+    const Carrier carry(*this, pose.T_W_B);
     for (std::uint32_t i = 0; pose.map == map && i < pose.count; ++i) {
       const GraphSighting& s = sightings_[(pose.first + i) % sightings_.capacity()];
       if (s.landmark != kNone) {
-        const Point2 q = pose.T_W_B * body_point({static_cast<double>(s.x_m), static_cast<double>(s.y_m)});
-        sum += static_cast<double>(s.weight) * (q - positions_[s.landmark]).squaredNorm();
+        sum += static_cast<double>(s.weight) * (carry(s) - positions_[s.landmark]).squaredNorm();
       }
     }
   });
@@ -155,7 +155,8 @@ void SightingGraph::add_landmark_to_system(std::uint32_t slot, std::uint32_t off
     const GraphSighting& sighting = sightings_[s];
     const GraphPose& pose = poses_[sighting.pose];
     const Point2 point_L(static_cast<double>(sighting.x_m), static_cast<double>(sighting.y_m));
-    const Point2 q = pose.T_W_B * body_point(point_L);
+    const RigidMotion T_W_B(pose.T_W_B);
+    const Point2 q = T_W_B(body_point(point_L));
     const Point2 residual = q - positions_[slot];
     const Point2 arm = q - middles_[pose.group];
     const auto weight = static_cast<double>(sighting.weight);
@@ -180,8 +181,7 @@ void SightingGraph::add_landmark_to_system(std::uint32_t slot, std::uint32_t off
     range_sum_m_ += range_m;
     range_count_ += 1.0;
     if (range_m > 0.0) {  // along the ray, as the offset moves it
-      const Point2 along =
-          (pose.T_W_B * (T_B_L_ * Point2(point_L / range_m))) - (pose.T_W_B * T_B_L_.translation());
+      const Point2 along = T_W_B(T_B_L_ * Point2(point_L / range_m)) - T_W_B(T_B_L_.translation());
       sum_along += weight * along;
       const Eigen::Vector3d cross = weight * J.transpose() * along;
       step_[offset_at] -= weight * along.dot(residual);

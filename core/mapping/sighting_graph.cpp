@@ -130,12 +130,11 @@ void SightingGraph::unchain(std::uint32_t sighting) noexcept {
   sightings_[sighting].next = kNone;
 }
 
-void SightingGraph::add_to_sum(const GraphSighting& s, const Pose2& T_W_B, double sign) noexcept {
+void SightingGraph::add_to_sum(const GraphSighting& s, const Point2& at_W, double sign) noexcept {
   GraphLandmark& l = landmarks_[s.landmark];
-  const Point2 q = T_W_B * body_point({static_cast<double>(s.x_m), static_cast<double>(s.y_m)});
   const double weight = sign * static_cast<double>(s.weight);
-  l.sum_x_m += weight * q.x();
-  l.sum_y_m += weight * q.y();
+  l.sum_x_m += weight * at_W.x();
+  l.sum_y_m += weight * at_W.y();
   l.sum_weight += weight;
 }
 
@@ -158,6 +157,7 @@ std::uint32_t SightingGraph::add_pose(const GraphPose& pose, std::span<const See
   added = pose;
   added.first = static_cast<std::uint32_t>(sighting_head_ % sightings_.capacity());
   added.count = static_cast<std::uint32_t>(seen.size());
+  const Carrier carry(*this, pose.T_W_B);
   for (const Seen& s : seen) {
     const auto at = static_cast<std::uint32_t>(sighting_head_++ % sightings_.capacity());
     const Point2 q = pose.T_W_B * body_point(s.point_L);
@@ -171,7 +171,7 @@ std::uint32_t SightingGraph::add_pose(const GraphPose& pose, std::span<const See
                       place_of,
                       kNone};
     chain(at);
-    add_to_sum(sightings_[at], pose.T_W_B, 1.0);
+    add_to_sum(sightings_[at], carry(sightings_[at]), 1.0);
     if (l.brought_by == kNone && l.first_scan == pose.scan) {
       l.brought_by = place_of;
       ++added.brought;
@@ -185,6 +185,7 @@ std::uint32_t SightingGraph::add_pose(const GraphPose& pose, std::span<const See
 void SightingGraph::fold_oldest() noexcept {
   SLAMSENSOR_ASSERT(pose_tail_ < pose_head_);
   GraphPose& pose = poses_[static_cast<std::size_t>(pose_tail_ % poses_.capacity())];
+  const Carrier carry(*this, pose.T_W_B);
   for (std::uint32_t i = 0; i < pose.count; ++i) {
     const auto at = static_cast<std::uint32_t>((pose.first + i) % sightings_.capacity());
     GraphSighting& s = sightings_[at];
@@ -192,7 +193,7 @@ void SightingGraph::fold_oldest() noexcept {
       continue;
     }
     GraphLandmark& l = landmarks_[s.landmark];
-    const Point2 q = pose.T_W_B * body_point({static_cast<double>(s.x_m), static_cast<double>(s.y_m)});
+    const Point2 q = carry(s);
     const auto old = static_cast<double>(l.prior_weight);
     const double weight = old + static_cast<double>(s.weight);
     l.prior_x_m = static_cast<float>(
@@ -224,6 +225,7 @@ void SightingGraph::fold_oldest() noexcept {
 
 SightingGraph::Loss SightingGraph::remove_pose(std::uint32_t place_of) noexcept {
   GraphPose& pose = poses_[place_of];
+  const Carrier carry(*this, pose.T_W_B);
   Loss loss;
   for (std::uint32_t i = 0; i < pose.count; ++i) {
     const auto at = static_cast<std::uint32_t>((pose.first + i) % sightings_.capacity());
@@ -232,7 +234,7 @@ SightingGraph::Loss SightingGraph::remove_pose(std::uint32_t place_of) noexcept 
       continue;
     }
     const std::uint32_t slot = s.landmark;
-    add_to_sum(s, pose.T_W_B, -1.0);
+    add_to_sum(s, carry(s), -1.0);
     unchain(at);
     s.landmark = kNone;
     Standing& standing = standing_[slot];
@@ -267,6 +269,8 @@ void SightingGraph::refit(std::uint32_t place_of) noexcept {
   std::array<Point2, kScanLandmarksMax> rest_W;    // NOLINT
   std::array<double, kScanLandmarksMax> weights;   // NOLINT
   const std::uint32_t count = std::min(pose.count, kScanLandmarksMax);
+  const Carrier carry(*this, pose.T_W_B);
+  const RigidMotion now(pose.T_W_B);
   for (std::uint32_t i = 0; i < count; ++i) {
     GraphSighting& s = sightings_[(pose.first + i) % sightings_.capacity()];
     weights[i] = 0.0;
@@ -274,8 +278,8 @@ void SightingGraph::refit(std::uint32_t place_of) noexcept {
       continue;
     }
     const GraphLandmark& l = landmarks_[s.landmark];
-    points_B[i] = body_point({static_cast<double>(s.x_m), static_cast<double>(s.y_m)});
-    const Point2 q = pose.T_W_B * points_B[i];
+    points_B[i] = carry.body_point(s);
+    const Point2 q = now(points_B[i]);
     const double rest = l.sum_weight - static_cast<double>(s.weight);
     if (rest < 1e-3) {
       continue;  // nobody else saw it
@@ -313,17 +317,19 @@ void SightingGraph::refit(std::uint32_t place_of) noexcept {
 /// The pose and its sightings at another place; the robust weights follow, against what the others say.
 void SightingGraph::move_pose(GraphPose& pose, const Pose2& moved, std::span<const Point2> points_B,
                               std::span<const Point2> rest_W, std::span<const double> weights) noexcept {
+  const RigidMotion before(pose.T_W_B);
+  const RigidMotion after(moved);
   for (std::uint32_t i = 0; i < weights.size(); ++i) {
     GraphSighting& s = sightings_[(pose.first + i) % sightings_.capacity()];
     if (s.landmark == kNone) {
       continue;
     }
-    add_to_sum(s, pose.T_W_B, -1.0);
+    add_to_sum(s, before(points_B[i]), -1.0);
+    const Point2 q = after(points_B[i]);
     if (weights[i] > 0.0) {
-      const Point2 q = moved * points_B[i];
       s.weight = static_cast<float>(robust_weight((q - rest_W[i]).squaredNorm(), robust_scale_m_));
     }
-    add_to_sum(s, moved, 1.0);
+    add_to_sum(s, q, 1.0);
     place(s.landmark);
   }
   pose.T_W_B = moved;
@@ -465,10 +471,11 @@ void SightingGraph::sum_anew() noexcept {
     l.sum_y_m = l.sum_weight * static_cast<double>(l.prior_y_m);
   }
   visit_poses([&](std::uint32_t, const GraphPose& pose) {
+    const Carrier carry(*this, pose.T_W_B);
     for (std::uint32_t i = 0; i < pose.count; ++i) {
       const GraphSighting& s = sightings_[(pose.first + i) % sightings_.capacity()];
       if (s.landmark != kNone) {
-        add_to_sum(s, pose.T_W_B, 1.0);
+        add_to_sum(s, carry(s), 1.0);
       }
     }
   });

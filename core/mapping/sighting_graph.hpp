@@ -205,6 +205,25 @@ class SightingGraph {
   static constexpr std::uint32_t kGroupsMax = 40;
   static constexpr std::uint32_t kUnknownsMax = 3 * kGroupsMax + 1;  // the offset is the last one
 
+  /// Carries what was measured at a pose to its map. Sines and cosines are taken once for many sightings.
+  class Carrier {
+   public:
+    Carrier(const SightingGraph& graph, const Pose2& T_W_B) noexcept
+        : T_B_L_(graph.T_B_L_), T_W_B_(T_W_B), offset_m_(graph.offset_m_) {}
+
+    [[nodiscard]] Point2 body_point(const GraphSighting& s) const noexcept {
+      const Point2 point_L(static_cast<double>(s.x_m), static_cast<double>(s.y_m));
+      const double range_m = point_L.norm();
+      return T_B_L_(range_m > 0.0 ? Point2(point_L * (1.0 + offset_m_ / range_m)) : point_L);
+    }
+    [[nodiscard]] Point2 operator()(const GraphSighting& s) const noexcept { return T_W_B_(body_point(s)); }
+
+   private:
+    RigidMotion T_B_L_;
+    RigidMotion T_W_B_;
+    double offset_m_;
+  };
+
   /// What one group says of one landmark.
   struct Share {
     std::uint32_t group = 0;
@@ -221,7 +240,7 @@ class SightingGraph {
   void take_out_of_map(std::uint32_t slot) noexcept;
   void chain(std::uint32_t sighting) noexcept;
   void unchain(std::uint32_t sighting) noexcept;
-  void add_to_sum(const GraphSighting& sighting, const Pose2& T_W_B, double sign) noexcept;
+  void add_to_sum(const GraphSighting& sighting, const Point2& at_W, double sign) noexcept;
   void place(std::uint32_t slot) noexcept;
   void move_pose(GraphPose& pose, const Pose2& moved, std::span<const Point2> points_B,
                  std::span<const Point2> rest_W, std::span<const double> weights) noexcept;
