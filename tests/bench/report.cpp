@@ -7,7 +7,7 @@
 namespace slamsensor::bench {
 namespace {
 
-/// Says which benchmark is done; the numbers come in the table.
+/// Says which benchmark is done, with its numbers: a long run that is ended early has not been for nothing.
 class ProgressReporter : public benchmark::BenchmarkReporter {
  public:
   bool ReportContext(const Context&) override { return true; }
@@ -15,6 +15,10 @@ class ProgressReporter : public benchmark::BenchmarkReporter {
     for (const Run& run : runs) {
       std::fprintf(stderr, "  %s%s%s\n", run.benchmark_name().c_str(), run.error_occurred ? ": " : "",
                    run.error_message.c_str());
+      for (const auto& [name, counter] : run.counters) {
+        std::fprintf(stderr, "    %s %g", name.c_str(), counter.value);
+      }
+      std::fputs("\n", stderr);
       failed_ = failed_ || run.error_occurred;
     }
   }
