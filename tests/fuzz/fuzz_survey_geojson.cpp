@@ -1,6 +1,5 @@
 #include "core/graph/lattice.hpp"
 #include "tools/map_files/survey_map.hpp"
-#include "tools/map_files/survey_points.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -10,7 +10,7 @@
 // itself, decades. tests/truth/why sums them up.
 
 #include "core/decision/decision.hpp"
-#include "core/fix_names.hpp"
+#include "core/fix.hpp"
 #include "firmware/config/load_config.hpp"
 #include "firmware/pipeline.hpp"
 #include "tools/input/scan_source.hpp"

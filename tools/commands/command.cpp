@@ -1,7 +1,7 @@
 #include "tools/commands/command.hpp"
 
 #include "tools/input/text.hpp"
-#include "tools/output/write_file.hpp"
+#include "tools/output/text_output.hpp"
 
 #include <CLI/CLI.hpp>
 

@@ -1,6 +1,5 @@
 #include "firmware/config/daemon_config.hpp"
 #include "tools/commands/command.hpp"
-#include "tools/commands/options.hpp"
 #include "tools/control/ctl.hpp"
 
 #include <CLI/CLI.hpp>

@@ -3,7 +3,6 @@
 #include "core/memory/arena.hpp"
 #include "firmware/arena_block.hpp"
 #include "tools/commands/command.hpp"
-#include "tools/commands/options.hpp"
 #include "tools/output/text_output.hpp"
 #include "tools/plot/curve_plot.hpp"
 #include "tools/plot/picture_file.hpp"

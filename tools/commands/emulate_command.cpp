@@ -1,5 +1,4 @@
 #include "tools/commands/command.hpp"
-#include "tools/commands/options.hpp"
 #include "tools/emulator/emulated_head.hpp"
 #include "tools/emulator/real_time_head.hpp"
 #include "tools/emulator/scenario.hpp"

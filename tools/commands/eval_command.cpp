@@ -1,6 +1,5 @@
 #include "core/config.hpp"
 #include "tools/commands/command.hpp"
-#include "tools/commands/options.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/input/text.hpp"
 #include "tools/input/text_files.hpp"

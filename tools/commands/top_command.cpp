@@ -1,7 +1,6 @@
 #include "firmware/lcm/lcm_sink.hpp"
 #include "hal/clock.hpp"
 #include "tools/commands/command.hpp"
-#include "tools/commands/options.hpp"
 #include "tools/spy/lcm_receiver.hpp"
 #include "tools/top/canvas.hpp"
 #include "tools/top/top_frame.hpp"

@@ -2,7 +2,7 @@
 
 #include "core/fix.hpp"
 #include "core/geometry/pose2.hpp"
-#include "core/landmark.hpp"
+#include "core/reading.hpp"
 #include "firmware/store/map_file.hpp"
 #include "tools/eval/evaluation.hpp"
 #include "tools/output/text_output.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tools/output/write_file.hpp"
+#include "tools/output/text_output.hpp"
 
 #include <tl/expected.hpp>
 

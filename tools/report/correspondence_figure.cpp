@@ -4,7 +4,7 @@
 #include "core/graph/landmark_graph.hpp"
 #include "core/localizer.hpp"
 #include "firmware/arena_block.hpp"
-#include "tools/output/number_text.hpp"
+#include "tools/output/text_output.hpp"
 #include "tools/plot/scales.hpp"
 #include "tools/plot/svg.hpp"
 

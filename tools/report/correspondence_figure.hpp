@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/config.hpp"
-#include "core/landmark.hpp"
+#include "core/reading.hpp"
 
 #include <cstddef>
 #include <span>

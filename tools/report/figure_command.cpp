@@ -2,7 +2,7 @@
 
 #include "core/detection/landmark_detector.hpp"
 #include "firmware/arena_block.hpp"
-#include "tools/commands/options.hpp"
+#include "tools/commands/command.hpp"
 #include "tools/input/scan_source.hpp"
 #include "tools/plot/picture_file.hpp"
 #include "tools/report/correspondence_figure.hpp"

@@ -1,10 +1,9 @@
 #include "tools/report/report_command.hpp"
 
-#include "tools/commands/options.hpp"
+#include "tools/commands/command.hpp"
 #include "tools/input/text.hpp"
 #include "tools/input/text_files.hpp"
 #include "tools/output/text_output.hpp"
-#include "tools/output/write_file.hpp"
 #include "tools/plot/picture_file.hpp"
 #include "tools/report/report_plots.hpp"
 

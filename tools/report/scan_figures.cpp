@@ -5,7 +5,7 @@
 #include "core/detection/scanline.hpp"
 #include "core/detection/spiderweb.hpp"
 #include "firmware/arena_block.hpp"
-#include "tools/output/number_text.hpp"
+#include "tools/output/text_output.hpp"
 #include "tools/plot/curve_plot.hpp"
 #include "tools/plot/scales.hpp"
 #include "tools/plot/svg.hpp"

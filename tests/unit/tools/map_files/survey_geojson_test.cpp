@@ -1,6 +1,5 @@
 // GeoJSON of the wrong shape: each is refused with the file, its line and what is wrong.
 #include "tools/map_files/survey_map.hpp"
-#include "tools/map_files/survey_points.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
