@@ -5,7 +5,8 @@
 #   slamsensor-dev        types of the LCM messages, and examples of readers
 set(CPACK_PACKAGE_NAME slamsensor)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
-set(CPACK_PACKAGE_CONTACT "slamsensor maintainers <maintainers@users.noreply.github.com>")
+# Nobody has been named yet who answers for the packages: the address is one that cannot be (RFC 2606).
+set(CPACK_PACKAGE_CONTACT "slamsensor developers <developers@slamsensor.invalid>")
 set(CPACK_COMPONENTS_ALL daemon tools emulator dev)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
