@@ -12,6 +12,10 @@ import unittest
 SOURCES, UNITS = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
 EXPOSURE_MAX = 2.0
 SKIPPED = 77
+# Names under which the kernel's drivers list their ports (/proc/devices): PC, USB, CDC, PL011 (Raspberry Pi), i.MX, LPUART,
+# STM32, Jetson, OMAP, Zynq, UARTLite, Samsung, Amlogic, Armada, Qualcomm, SiFive, SC16IS7xx, MAX310x; Exar, WCH, Moxa.
+BOARD_PORTS = ("ttyS ttyUSB ttyACM ttyAMA ttymxc ttyLP ttySTM ttyTHS ttyO ttyPS ttyUL ttySAC ttyAML ttyMV ttyMSM ttyHS ttySIF "
+               "ttySC ttyMAX ttyXRUSB ttyCH341USB ttyCH343USB ttyMXUSB pts gpiochip").split()
 
 
 def run(*command):
@@ -75,6 +79,14 @@ class Units(unittest.TestCase):
         for line in ("Type=notify", "WatchdogSec=10", "Restart=always", "RestartPreventExitStatus=64 78",
                      "ExecReload=/bin/sh -c 'kill -HUP ${MAINPID}'"):
             self.assertIn(f"\n{line}\n", text)
+
+    def test_ports_of_boards_in_use_are_allowed(self):
+        text = (UNITS / "slamsensor.service").read_text()
+        self.assertIn("\nDevicePolicy=closed\n", text)
+        for name in BOARD_PORTS:
+            self.assertRegex(text, rf"(?m)^DeviceAllow=char-{name} rw$", name)
+        for line in re.findall(r"(?m)^DeviceAllow=.*$", text):  # a terminal's driver, or one of those that are no terminal
+            self.assertRegex(line, r"^DeviceAllow=char-(tty\w+|pts|gpiochip) rw$")
 
     def test_user_and_folders_are_made(self):
         root = self.folder / "root"
