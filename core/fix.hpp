@@ -64,7 +64,9 @@ struct Fix {
   double expected_false_alarms = 0.0;  ///< chance poses as good as this one to be expected in this search
   std::uint64_t weight_best = 0;       ///< W of the best hypothesis
   std::uint64_t weight_runner_up = 0;  ///< W of the second, 0 if there is none
-  std::uint32_t jumps = 0;             ///< how often the best hypothesis has changed to another history
+  bool is_home_replaced = false;  ///< the home map took the place of another that had given fixes: what is
+                                  ///< known of where that one lies on the earth does not hold
+  std::uint32_t jumps = 0;  ///< how often the best hypothesis has changed to another history
 };
 
 /// Whether `fix` has a pose: its own, the better of two, or one in a local map.

@@ -40,12 +40,11 @@ enum class Stake : std::uint8_t {
 /// exceed
 ///    1 / risk.
 /// 2. A copy that was never mapped. Independent groups of matches less the decades of contradiction reach
-/// three decades
-///    (a tie: four). Of a scan that shows again what the scan before showed only that nothing contradicts it
-///    is asked: to be wrong, the carrier must have been taken to a perfect copy between the two. Where the
-///    world does not repeat itself (`structure_decades`, Rates) three groups, each as wide as a copse, are
-///    enough when nothing contradicts them and the answer explains the witnesses by far more than wrong
-///    places ever did. Not asked of a local map, nor in a complete survey.
+///    three decades; half a decade of a scan that shows again what the scan before showed, and of a map that
+///    began where the other was left: to be wrong, the carrier must have been taken to a perfect copy between
+///    the two. Where the world does not repeat itself (`structure_decades`, Rates) three groups, each as wide
+///    as a copse, are enough when nothing contradicts them and the answer explains the witnesses by far more
+///    than wrong places ever did. Not asked of a local map, nor in a complete survey.
 /// 3. A copy that was mapped. Every other place that explains the witnesses hundredfold better than chance is
 ///    contradicted by a decade more than the answer is; raw odds mislead here, because what is missing at one
 ///    place may be new ground at the other.

@@ -41,7 +41,7 @@ void Atlas::reset() noexcept {
   learned_in_ = kNoMap;
   maps_ = {};
   home_ = kNoMap;
-  is_surveyed_ = has_fixed_ = false;
+  is_surveyed_ = has_fixed_ = is_home_replaced_ = false;
   scans_ = 0;
   jumps_ = 0;
   maps_made_ = 0;
@@ -98,6 +98,7 @@ Fix Atlas::process(std::span<const ScanLandmark> landmarks, const ScanView& view
   fix.jumps = jumps_;
   if (home_ != kNoMap) {
     fix.home = maps_[home_].number;
+    fix.is_home_replaced = is_home_replaced_;
     fix.landmarks_in_map = maps_[home_].landmarks;
     fix.weight_best = maps_[home_].W;
   }
@@ -262,16 +263,17 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
                              rates_.structure_decades, config_.acceptance)
                               .status == FixStatus::Fix) {
     const Weighed& chosen = weighed_[*local];
-    if (verdict.status == FixStatus::NoFix || fits_local_better) {
-      describe(chosen, fix);
-      fix.status = FixStatus::NoFix;
-      fix.reason = FixReason::LocalMap;
-    }
     note_places(chosen);
+    // One that does not follow another there may be at a copy of the place, and begins a map of its own.
     const bool is_sure = is_sure_in(chosen.candidate.map, fix.search_end);
     if (is_sure || stake_of(chosen.candidate.map) == Stake::Again) {
       MapEntry& map = maps_[chosen.candidate.map];
       map.is_doubtful = map.is_doubtful || !is_sure;
+      if (verdict.status == FixStatus::NoFix || fits_local_better) {
+        describe(chosen, fix);
+        fix.status = FixStatus::NoFix;
+        fix.reason = FixReason::LocalMap;
+      }
       extend(chosen);
       tie_of = chosen.candidate.map;
     } else {
@@ -304,8 +306,8 @@ bool Atlas::is_sure_in(MapSlot map, SearchEnd end) const noexcept {
 void Atlas::found_home() noexcept {
   const std::optional<std::size_t> best = home_ == kNoMap ? best_local() : std::nullopt;
   if (best && weighed_[*best].candidate.matches.size() >= kHomeConfirmed &&
-      weighed_[*best].evidence.ln_bayes > std::log(kFoundingOdds / config_.acceptance.risk) &&
       !maps_[weighed_[*best].candidate.map].is_doubtful &&
+      weighed_[*best].evidence.ln_bayes > std::log(kFoundingOdds / config_.acceptance.risk) &&
       is_sure_in(weighed_[*best].candidate.map, found_[0].end)) {
     home_ = weighed_[*best].candidate.map;
     has_fixed_ = false;
@@ -497,9 +499,6 @@ void Atlas::choose_home() noexcept {
   if (home_ != kNoMap && !is_idle && !is_alone) {
     return;
   }
-  if (rates_.structure_decades >= kTieStructure) {
-    return;  // where the world repeats itself a local map may be two places in one
-  }
   MapSlot best = kNoMap;
   for (MapSlot i = 0; i < kMapsMax; ++i) {
     const std::uint32_t wanted =
@@ -512,6 +511,7 @@ void Atlas::choose_home() noexcept {
   }
   if (best != kNoMap) {
     jumps_ += home_ != kNoMap ? 1 : 0;
+    is_home_replaced_ = is_home_replaced_ || (home_ != kNoMap && has_fixed_);
     home_ = best;
     has_fixed_ = false;
     ++revision_;

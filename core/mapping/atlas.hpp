@@ -50,8 +50,9 @@ struct MapEntry {
       0;                ///< number of the home map, when the scan before the first one of this was in it
   PlaceHypothesis tie;  ///< where its confirmed landmarks as a whole were believed last, W times in a row
   FixedVector<PlaceHypothesis, kPlacesMax> places;  ///< the best W first
-  bool is_doubtful = false;  ///< it may be two places in one: a scan was found in it that did not follow
-                             ///< another in it, and would have been no fix
+  /// It may be two places in one: a scan that showed again what the scan before showed in it would have been
+  /// no fix. Such a map is neither tied nor a home map.
+  bool is_doubtful = false;
 };
 
 /// All that the sensor remembers, and how a scan changes it (DESIGN 2.5): the home map, local maps that are
@@ -175,6 +176,7 @@ class Atlas {
   Pose2 learned_at_;          // in the map of the last scan that the rates were learned from
   MapSlot learned_in_ = kNoMap;
   bool learns_ = true;
+  bool is_home_replaced_ = false;   // since the last reset, after it had given a fix
   bool has_fixed_ = false;          // in the present home map
   BoundedVector<Point2> points_L_;  // of the scan
   BoundedVector<Point2> points_B_;

@@ -61,7 +61,7 @@ struct NmeaEpoch {
         time(nmea_time(moment.utc)),
         pose_known(has_nmea_pose(the_fix)),
         error_known(usable_covariance(the_fix.covariance)) {
-    if (context.geo != nullptr && pose_known && fix.status == core::FixStatus::Fix) {
+    if (context.geo != nullptr && pose_known && fix.status == core::FixStatus::Fix && !fix.is_home_replaced) {
       place = context.geo->locate(fix.pose_W);
     }
   }

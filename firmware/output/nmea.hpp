@@ -98,10 +98,11 @@ inline constexpr std::size_t kNmeaEpochBytesMax = 8 * kNmeaSentenceMax;
 /// 0.01 s, each at most 82 characters. Returns 0 and writes nothing when `out` is smaller than
 /// kNmeaEpochBytesMax. Allocates nothing, knows no locale.
 ///
-/// RMC to GST are those of a position when the status is Fix, the pose is finite and there is a datum. Else
-/// RMC says V mode N, GGA quality 0 (its HDOP empty: gpsd 3.22 keeps that of the epoch before for the first
-/// fix after it), all fields of GBS and GST but the time are empty, THS says V and HDT is left out: a reader
-/// keeps the last heading on an empty one. Speed and course are always empty.
+/// RMC to GST are those of a position when the status is Fix, the pose is finite, there is a datum, and the
+/// home map is still the one that it was given for (Fix::is_home_replaced). Else RMC says V mode N, GGA
+/// quality 0 (its HDOP empty: gpsd 3.22 keeps that of the epoch before for the first fix after it), all
+/// fields of GBS and GST but the time are empty, THS says V and HDT is left out: a reader keeps the last
+/// heading on an empty one. Speed and course are always empty.
 ///   GGA   satellites = matches, at most 99 (gpsd takes fewer than 3 as no fix); HDOP = sqrt(var x + var y) /
 ///         landmark_sigma_m within 0.01 .. 99.99, empty when the covariance is not usable; altitude = the
 ///         datum's height over geoid separation 0.0, that is, above the ellipsoid.

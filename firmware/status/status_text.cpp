@@ -198,6 +198,13 @@ void StatusLogger::compare_fix(const SensorStatus& status, std::vector<LogEntry>
     entries.push_back({LogLevel::Warning,
                        "the best hypothesis changed to another history; poses before and after "
                        "differ in more than motion"});
+    if (fix.is_home_replaced) {
+      entries.push_back(
+          {LogLevel::Warning,
+           "the home map was replaced by map " + std::to_string(fix.home) +
+               ", and the datum is not its: no latitude and longitude until a map is loaded, or "
+               "'map reset' where the datum holds"});
+    }
   }
   jumps_ = fix.jumps;
   state_ = status.state;

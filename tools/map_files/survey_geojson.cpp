@@ -283,19 +283,4 @@ tl::expected<Survey, InputError> parse_survey_geojson(std::string_view text, std
   return parse(text, name).and_then([&](const Parsed& parsed) { return survey_of(parsed, name); });
 }
 
-tl::expected<Survey, InputError> read_survey(const std::filesystem::path& path,
-                                             const SurveyColumns& columns) {
-  const auto text = read_file(path);
-  if (!text) {
-    return tl::unexpected(text.error());
-  }
-  const std::string name = path.string();
-  if (const auto encoding = check_encoding(*text, name); !encoding) {
-    return tl::unexpected(encoding.error());
-  }
-  const std::size_t first = text->find_first_not_of("\xEF\xBB\xBF \t\r\n");
-  const bool is_json = first != std::string::npos && (*text)[first] == '{';
-  return is_json ? parse_survey_geojson(*text, name) : parse_survey_csv(*text, name, columns);
-}
-
 }  // namespace slamsensor::tools

@@ -84,6 +84,41 @@ TEST(Decide, ContradictionsWeighAgainstGroups) {
   EXPECT_EQ(judge({contradicted}).reason, FixReason::Copy);
 }
 
+// Row 2 of a car park shows what row 1 showed: to have just been there is no reason to be still there.
+TEST(Decide, WhatIsSeenAgainHasRivalsAndTheConfiguredRiskAllTheSame) {
+  EXPECT_EQ(judge({good(0.0, 30.0), good(10.0, 28.0)}, Stake::Again).reason, FixReason::Symmetric);
+  EXPECT_EQ(judge({good(0.0, 5.0)}, Stake::Again).reason, FixReason::NoOverlap);
+  Weighed two_groups = good();
+  two_groups.evidence.group_decades = 1.0;
+  EXPECT_EQ(judge({two_groups}, Stake::Again).status, FixStatus::Fix);
+  EXPECT_EQ(judge({two_groups}, Stake::Fix).reason, FixReason::Copy);
+  two_groups.evidence.log10_unmatched = -1.9;  // the first scan at the second of two copses alike
+  EXPECT_EQ(judge({two_groups}, Stake::Again).reason, FixReason::Copy);
+}
+
+TEST(Decide, AMapThatBeganWhereAnotherWasLeftIsTiedByTwoGroups) {
+  Weighed two_groups = good();
+  two_groups.evidence.group_decades = 2.0;
+  EXPECT_EQ(judge({two_groups}, Stake::Follow).status, FixStatus::Fix);
+  EXPECT_EQ(judge({two_groups}, Stake::Tie).reason, FixReason::Copy);
+  EXPECT_NE(judge({good(0.0, 8.0)}, Stake::Follow).status, FixStatus::Fix) << "a tie binds many scans";
+}
+
+TEST(Rates, ManyScansOfOneCopseSayNoMoreOfTheWorldThanOne) {
+  Rates rates;
+  const double before = rates.structure_decades;
+  for (int i = 0; i < 1000; ++i) {
+    rates.see_runner_up(0.0, 0.0);
+  }
+  EXPECT_EQ(rates.structure_decades, before);
+  for (int i = 0; i < 50; ++i) {
+    rates.see_runner_up(0.0, 1.0);
+  }
+  EXPECT_LT(rates.structure_decades, 6.0);
+  rates.see_runner_up(30.0, 0.0);  // also of a scan that was not believed
+  EXPECT_GT(rates.structure_decades, 7.0);
+}
+
 TEST(Decide, ATwinThatWasMappedMakesItAmbiguous) {
   const Verdict verdict = judge({good(0.0, 20.0), good(50.0, 19.9)});
   EXPECT_EQ(verdict.status, FixStatus::Ambiguous);

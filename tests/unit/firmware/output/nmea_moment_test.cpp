@@ -70,6 +70,18 @@ TEST_F(NmeaMoments, SentencesAreSettings) {
   EXPECT_EQ(fields(lines(good_fix(), nmea_context(config, &geo_, NmeaMode::Simulated))[1])[2], "S");
 }
 
+TEST_F(NmeaMoments, AHomeMapThatTookThePlaceOfAnotherHasNoPlaceOnTheEarth) {
+  core::Fix fix = good_fix();
+  EXPECT_EQ(fields(lines(fix, context_)[0])[2], "A");
+  fix.is_home_replaced = true;
+  for (const std::string& line : lines(fix, context_)) {
+    EXPECT_EQ(line.find("HDT"), std::string::npos) << line;
+    EXPECT_EQ(line.find("4727."), std::string::npos) << line;
+    EXPECT_TRUE(line.find("PSLMA") == std::string::npos || fields(line)[3] == "A") << line;
+  }
+  EXPECT_EQ(fields(lines(fix, context_)[0])[2], "V");
+}
+
 TEST_F(NmeaMoments, AHeadingWithAModeSaysVWithoutAFix) {
   context_.sentences = {.rmc = false, .gga = false, .gbs = false, .hdt = true, .ths = true, .gst = false};
   context_.sentences.pslma = false;
