@@ -92,7 +92,7 @@ TEST(LoadConfig, ADeviceUnderTwoNamesIsOne) {
     });
   };
   const std::string tty = folder / "tty";
-  for (const std::string name :
+  for (const std::string& name :
        {tty, (folder / "laser").string(), (folder / "sub/unit").string(), (folder / "sub/../tty").string()}) {
     EXPECT_EQ(clashes(tty, name, ""), 1) << name;
     EXPECT_EQ(clashes(name, "/dev/other", tty), 1) << name;
