@@ -262,26 +262,9 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
   } else if (local && decide(weighed_.span(), weighed_[*local].candidate.map, Stake::Local, fix.search_end,
                              rates_.structure_decades, config_.acceptance)
                               .status == FixStatus::Fix) {
-    const Weighed& chosen = weighed_[*local];
-    note_places(chosen);
-    // One that does not follow another there may be at a copy of the place, and begins a map of its own.
-    const bool is_sure = is_sure_in(chosen.candidate.map, fix.search_end);
-    if (is_sure || stake_of(chosen.candidate.map) == Stake::Again) {
-      MapEntry& map = maps_[chosen.candidate.map];
-      map.is_doubtful = map.is_doubtful || !is_sure;
-      if (verdict.status == FixStatus::NoFix || fits_local_better) {
-        describe(chosen, fix);
-        fix.status = FixStatus::NoFix;
-        fix.reason = FixReason::LocalMap;
-      }
-      extend(chosen);
-      tie_of = chosen.candidate.map;
-    } else {
-      learn_structure(*local, 0.0);
-      start_map(fix);
-    }
+    tie_of = keep_locally(weighed_[*local], verdict.status == FixStatus::NoFix || fits_local_better, fix);
   } else if (fix.search_end != SearchEnd::Deadline || graph_.index().size() == 0) {
-    learn_structure(best_in(weighed_.span(), weighed_.empty() ? kNoMap : weighed_[0].candidate.map), 0.0);
+    learn_structure(best_in(weighed_.span(), weighed_.empty() ? kNoMap : weighed_[0].candidate.map), 0);
     start_map(fix);  // a search that was cut does not say that the place is unknown
   }
   if (is_held_back && fix.status == FixStatus::Fix) {
@@ -294,6 +277,28 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
     try_tie(tie_of, deadline);
   }
   choose_home();
+}
+
+/// A scan that a local map explains. It is the answer when the home map has none. Returns the map that it was
+/// brought into.
+MapSlot Atlas::keep_locally(const Weighed& chosen, bool is_answer, Fix& fix) noexcept {
+  note_places(chosen);
+  const MapSlot map = chosen.candidate.map;
+  // One that does not follow another there may be at a copy of the place, and begins a map of its own.
+  const bool is_sure = is_sure_in(map, fix.search_end);
+  if (is_sure || stake_of(map) == Stake::Again) {
+    maps_[map].is_doubtful = maps_[map].is_doubtful || !is_sure;
+    if (is_answer) {
+      describe(chosen, fix);
+      fix.status = FixStatus::NoFix;
+      fix.reason = FixReason::LocalMap;
+    }
+    extend(chosen);
+    return map;
+  }
+  learn_structure(static_cast<std::size_t>(&chosen - weighed_.begin()), 0);
+  start_map(fix);
+  return kNoMap;
 }
 
 /// Whether the scan would be a fix if `map` were the home map.
@@ -316,9 +321,10 @@ void Atlas::found_home() noexcept {
 
 /// Whether or not the scan is believed in `chosen`: how well the second best place explains it says how far
 /// the world repeats itself.
-void Atlas::learn_structure(std::size_t chosen, double news) noexcept {
+void Atlas::learn_structure(std::size_t chosen, std::uint32_t news) noexcept {
   if (chosen != SIZE_MAX) {
-    rates_.see_runner_up(runner_up_decades(weighed_.span(), chosen, config_.acceptance), news);
+    rates_.see_runner_up(runner_up_decades(weighed_.span(), chosen, config_.acceptance),
+                         std::min(1.0, news / kNewsPerSample));
   }
 }
 
@@ -420,24 +426,28 @@ void Atlas::start_map(Fix& fix) noexcept {
   }
   entry.frame_turn2 = scale_.start_sigma_m() * scale_.start_sigma_m() / std::max(1.0, square_m2);
   if (home_ == kNoMap && points_B_.size() >= kHomeAtOnce) {
-    home_ = map;
-    fix.pose_W = Pose2{};
-    fix.matches = fix.error_xi = 0;
-    fix.status = FixStatus::Fix;
-    fix.reason = FixReason::None;
-    fix.search_end = SearchEnd::Complete;
-    fix.map = entry.number;
-    const double sigma_m = scale_.start_sigma_m();
-    // The origin by definition; what the first scan leaves open is the turn of the frame.
-    fix.covariance_near =
-        Eigen::Vector3d(sigma_m * sigma_m / static_cast<double>(points_B_.size()),
-                        sigma_m * sigma_m / static_cast<double>(points_B_.size()), entry.frame_turn2)
-            .asDiagonal();
-    add_common_errors(map, {}, fix);
+    found_home_with(map, fix);
   } else if (fix.status == FixStatus::NoFix && fix.reason == FixReason::NoOverlap) {
     // Known nowhere: its own local map is all that is known of it.
     fix.map = 0;
   }
+}
+
+/// The scan that begins `map` is its origin by definition; what it leaves open is the turn of the frame.
+void Atlas::found_home_with(MapSlot map, Fix& fix) noexcept {
+  home_ = map;
+  fix.pose_W = Pose2{};
+  fix.matches = fix.error_xi = 0;
+  fix.status = FixStatus::Fix;
+  fix.reason = FixReason::None;
+  fix.search_end = SearchEnd::Complete;
+  fix.map = maps_[map].number;
+  const double sigma_m = scale_.start_sigma_m();
+  fix.covariance_near =
+      Eigen::Vector3d(sigma_m * sigma_m / static_cast<double>(points_B_.size()),
+                      sigma_m * sigma_m / static_cast<double>(points_B_.size()), maps_[map].frame_turn2)
+          .asDiagonal();
+  add_common_errors(map, {}, fix);
 }
 
 /// A full memory loses the least useful landmarks: those of the least local map first, then the least

@@ -131,7 +131,9 @@ class Atlas {
   void learn_from(const Weighed& weighed) noexcept;
   [[nodiscard]] bool is_sure_in(MapSlot map, SearchEnd end) const noexcept;
   void found_home() noexcept;
-  void learn_structure(std::size_t chosen, double news) noexcept;
+  void found_home_with(MapSlot map, Fix& fix) noexcept;
+  [[nodiscard]] MapSlot keep_locally(const Weighed& chosen, bool is_answer, Fix& fix) noexcept;
+  void learn_structure(std::size_t chosen, std::uint32_t news) noexcept;
   [[nodiscard]] bool is_contradicted(const GraphLandmark& landmark, const Standing& standing,
                                      double range_m) const noexcept;
   void look_for_missing(const Weighed& weighed) noexcept;

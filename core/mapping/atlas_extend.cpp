@@ -71,8 +71,7 @@ void Atlas::extend(const Weighed& w) noexcept {
     ++news;
     SLAMSENSOR_ASSERT(seen_.try_push_back({slot, points_L_[i]}));
   }
-  learn_structure(static_cast<std::size_t>(&w - weighed_.begin()),
-                  static_cast<double>(news) / static_cast<double>(points_B_.size()));
+  learn_structure(static_cast<std::size_t>(&w - weighed_.begin()), news);
   look_around(map, w.candidate.pose_W);
   entry.W += w.candidate.matches.size();
   ++entry.scans;

@@ -70,7 +70,7 @@ void Atlas::probe_structure() noexcept {
     weigh(scan_witnesses(), found_[0], weighed_);
     const std::size_t best = best_in(weighed_.span(), home_);
     if (best != SIZE_MAX) {
-      learn_structure(best, std::min(1.0, static_cast<double>(step) / static_cast<double>(points_B_.size())));
+      learn_structure(best, step);
     }
   }
   scan_.view = nullptr;

@@ -33,8 +33,9 @@ inline constexpr double kScansTieDecades = 15.0;  // in all, of scans that agree
 inline constexpr double kPlaceGroups = 3.0;       // decades of groups, and ...
 inline constexpr double kPlaceContradiction = 2.0;  // ... decades against, of a scan that counts for a place
 inline constexpr double kFirstTurn_rad =
-    0.25 * kDegree;                           // 1 sigma: the first fix in a home map is what users align by
-inline constexpr double kTieStructure = 7.0;  // a world that repeats itself less than this is tied at once
+    0.25 * kDegree;                            // 1 sigma: the first fix in a home map is what users align by
+inline constexpr double kTieStructure = 7.0;   // a world that repeats itself less than this is tied at once
+inline constexpr double kNewsPerSample = 5.0;  // landmarks: about as many as stand within the size of a copy
 inline constexpr double kThoroughStructure =
     7.5;  // a world that repeats itself more is searched for all rivals
 inline constexpr std::size_t kThoroughLandmarks = 15;  // so is a scan of so few, which takes hardly any time

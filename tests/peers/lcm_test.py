@@ -173,7 +173,7 @@ def check_log(sender, log, expected):
 
     rounds = (POSES + 9) // 10
     wanted = {"POSE": sum(" fix " in line for line in expected), "SLAMSENSOR_STATUS": rounds,
-              "SLAMSENSOR_COUNTERS": 6 * rounds, "SLAMSENSOR_SCAN": 2 * rounds, "SLAMSENSOR_MAP": 3 * rounds}
+              "SLAMSENSOR_COUNTERS": 6 * rounds, "SLAMSENSOR_SCAN": 2 * rounds, "SLAMSENSOR_MAP": 4 * rounds}
     # It writes what it has when more comes.
     sender.warm(lambda: wanted.items() <= counts().items(), f"lcm-logger to have {wanted}")
     print(f"lcm-logger: {sum(wanted.values())} events beside the poses, none lost")

@@ -191,7 +191,7 @@ TEST_F(LcmSinkOnline, AllocatesNothingWhileItIsOpen) {
     sink.service(seconds(5));
     EXPECT_EQ(scope.heap_calls(), 0U);
     EXPECT_FALSE(next);
-    EXPECT_EQ(sink.counters()[0].value, 2U + 2U + 7U + 2U + 28U);
+    EXPECT_EQ(sink.counters()[0].value, 2U + 2U + 7U + 2U + 34U);
   });
 }
 
