@@ -121,8 +121,9 @@ TEST_F(SlamLoopTest, AMapAskedForDuringAScanComesAfterItsFix) {
   outlets.map.ask();
   ASSERT_TRUE(outlets.map.is_asked());
   EXPECT_FALSE(outlets.map.try_read([](const MapSnapshot&) { FAIL() << "it is being made"; }));
+  const auto readings = sweep_from(2.0, Place::Posts);
   Scanline scanline;
-  scanline.readings = sweep_from(2.0, Place::Posts);
+  scanline.readings = readings;
   ASSERT_TRUE(queue.push(scanline));
   ASSERT_TRUE(queue.push(ScanEnded{
       .begin = kNow - seconds(3), .middle = kNow - seconds(2), .end = kNow, .lines = 1, .known = kNow}));

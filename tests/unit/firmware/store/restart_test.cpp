@@ -101,11 +101,17 @@ TEST(Restart, TheFirstScanFindsItselfInTheLoadedMapAsIfNothingHadBeen) {
 TEST(Restart, TheProductsFixesGoOnInTheSameFrame) {
   const core::Config config = test_config(3, core::AcceptanceRule::Evidence);
   double worst_m = 0.0;
+  int found = 0;  // in one of five the scan alone does not tell its place from a copy; without a restart the
+                  // scan before does
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const auto scans = make_walk(seed);
     const auto expected = without_restart(config, scans);
     const auto fixes = with_restart(config, scans);
-    EXPECT_EQ(fixes[0].status, core::FixStatus::Fix) << "seed " << seed;
+    if (fixes[0].status != core::FixStatus::Fix) {
+      EXPECT_EQ(fixes[0].reason, core::FixReason::Copy) << "seed " << seed;
+      continue;
+    }
+    ++found;
     for (std::size_t i = 0; i < fixes.size(); ++i) {
       EXPECT_EQ(fixes[i].scan, kBreak + i);
       EXPECT_EQ(fixes[i].status, expected[i].status) << "seed " << seed << " scan " << kBreak + i;
@@ -114,6 +120,7 @@ TEST(Restart, TheProductsFixesGoOnInTheSameFrame) {
   }
   std::printf("after a restart fixes are at most %.3f m from where they would have been\n", worst_m);
   EXPECT_LT(worst_m, 0.15);
+  EXPECT_GE(found, 4);
 }
 
 // The store keeps the best hypothesis. Where another would have overtaken it later, the fixes go their own
