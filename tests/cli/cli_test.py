@@ -341,7 +341,7 @@ class Cli(unittest.TestCase):
         rows = []
         for scan in range(30):  # a circle that ends where it began
             turn = 2 * math.pi * scan / 28
-            pose = 20 * math.cos(turn), 20 * math.sin(turn), draw.uniform(-math.pi, math.pi)
+            pose = 12 * math.cos(turn), 12 * math.sin(turn), draw.uniform(-math.pi, math.pi)
             rows += [(scan, *p) for p in scan_of(draw, trees, pose, 1)]
         scans = self.write("scans.csv", csv_of("scan,x_m,y_m", rows))
         fixes = {}
@@ -352,7 +352,7 @@ class Cli(unittest.TestCase):
             self.assertEqual(code, OK, errors)
             fixes[search] = list(csv.DictReader((out / "fixes.csv").read_text().splitlines()))
         self.assertGreater([row["status"] for row in fixes["paper"]].count("fix"), 25)
-        self.agree(fixes["paper"], fixes["fast"], ("x_m", "y_m"), 0.15, apart=4)  # whose maps grew apart, and whose rivals differ while they hold a scan or two
+        self.agree(fixes["paper"], fixes["fast"], ("x_m", "y_m"), 0.15, apart=1)  # whose maps grew apart
 
     def test_locate_tells_searches_that_the_deadline_cut(self):
         def points(seed, count, reach):
