@@ -514,7 +514,7 @@ void Atlas::choose_home() noexcept {
     const std::uint32_t wanted =
         home_ == kNoMap ? kHomeConfirmed : std::max(kHomeConfirmed, 3 * maps_[home_].confirmed);
     if (i != home_ && maps_[i].number != 0 && !maps_[i].is_doubtful && maps_[i].confirmed >= wanted &&
-        maps_[i].scans >= (home_ == kNoMap ? 2U : 4U) &&
+        maps_[i].scans >= (home_ == kNoMap ? 2U : kReplacingScans) &&
         (best == kNoMap || maps_[i].confirmed > maps_[best].confirmed)) {
       best = i;
     }

@@ -13,7 +13,9 @@ namespace slamsensor::core {
 inline constexpr std::uint32_t kHomeAtOnce =
     10;  // landmarks of a first scan that may found the home map by itself
 inline constexpr std::uint32_t kHomeConfirmed = 5;  // landmarks seen twice that make a local map the home map
-inline constexpr double kFoundingOdds = 1e3;        // beyond those of a fix: all that follows builds on it
+inline constexpr std::uint32_t kReplacingScans =
+    15;  // of a map that takes the place of a home map: it has that long to be tied instead
+inline constexpr double kFoundingOdds = 1e3;         // beyond those of a fix: all that follows builds on it
 inline constexpr std::uint32_t kHomeIdleScans = 30;  // without a fix, after which a home map ...
 inline constexpr std::uint32_t kHomeSure =
     30;  // ... of fewer confirmed landmarks than this gives way to a larger map
