@@ -337,7 +337,7 @@ Stake Atlas::stake_of(MapSlot map) const noexcept {
   }
   const std::size_t best = best_in(weighed_.span(), map);
   const std::uint32_t back = blind_scans_ + (rates_.structure_decades < kTieStructure ? 2U : 1U);
-  if (best == SIZE_MAX || maps_[map].scans == 0 || maps_[map].last_scan + back < scan_.number) {
+  if (best == SIZE_MAX || maps_[map].last_scan + back < scan_.number) {
     return Stake::Fix;
   }
   const auto again = std::count_if(
