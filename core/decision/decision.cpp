@@ -20,9 +20,8 @@ constexpr double kLocalSigmas = 1.0;
 constexpr double kLocalRisk = 1e-4;          // of a scan in a local map
 constexpr double kTieRiskShare = 1e-3;       // of the risk of a fix: a tie binds many scans
 constexpr double kLocalContradiction = 4.0;  // decades against a scan in a local map
-constexpr double kAgainDecades =
-    0.5;  // two groups, which a single copy would not make, and hardly anything against them
-constexpr double kUnlikeDecades = 2.0;  // three groups
+constexpr double kAgainDecades = 1.0;        // two groups, and no more against them than usual
+constexpr double kUnlikeDecades = 2.0;       // three groups
 constexpr double kUnlikeContradiction = 5.0;
 constexpr double kUnlikeStructure = 7.0;  // of a world that hardly repeats itself
 constexpr double kUnlikeMargin = 6.0;     // decades above what wrong places of this world reach

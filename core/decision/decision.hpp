@@ -40,7 +40,7 @@ enum class Stake : std::uint8_t {
 /// exceed
 ///    1 / risk.
 /// 2. A copy that was never mapped. Independent groups of matches less the decades of contradiction reach
-///    three decades; half a decade of a scan that shows again what the scan before showed, and of a map that
+///    three decades; one decade of a scan that shows again what the scan before showed, and of a map that
 ///    began where the other was left: to be wrong, the carrier must have been taken to a perfect copy between
 ///    the two. Where the world does not repeat itself (`structure_decades`, Rates) three groups, each as wide
 ///    as a copse, are enough when nothing contradicts them and the answer explains the witnesses by far more

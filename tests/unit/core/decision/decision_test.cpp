@@ -92,7 +92,7 @@ TEST(Decide, WhatIsSeenAgainHasRivalsAndTheConfiguredRiskAllTheSame) {
   two_groups.evidence.group_decades = 1.0;
   EXPECT_EQ(judge({two_groups}, Stake::Again).status, FixStatus::Fix);
   EXPECT_EQ(judge({two_groups}, Stake::Fix).reason, FixReason::Copy);
-  two_groups.evidence.log10_unmatched = -1.9;  // the first scan at the second of two copses alike
+  two_groups.evidence.log10_unmatched = -1.0;  // the first scan at the second of two copses alike
   EXPECT_EQ(judge({two_groups}, Stake::Again).reason, FixReason::Copy);
 }
 
