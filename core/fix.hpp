@@ -66,7 +66,7 @@ struct Fix {
   std::uint64_t weight_runner_up = 0;  ///< W of the second, 0 if there is none
   bool is_home_replaced = false;  ///< the home map took the place of another that had given fixes: what is
                                   ///< known of where that one lies on the earth does not hold
-  std::uint32_t jumps = 0;  ///< how often the best hypothesis has changed to another history
+  std::uint32_t jumps = 0;        ///< how often the best hypothesis has changed to another history
 };
 
 /// Whether `fix` has a pose: its own, the better of two, or one in a local map.

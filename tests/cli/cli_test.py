@@ -430,7 +430,8 @@ class Cli(unittest.TestCase):
 
     def test_a_foreign_part_of_a_recording_is_named_and_takes_nothing(self):
         recording = self.folder / "a.lcm"
-        code, _, errors = run("record", CONFIG / "scenarios" / "fast.toml", "--out", recording, "--scans", 1)
+        code, _, errors = run("record", CONFIG / "scenarios" / "fast.toml", "--out", recording, "--scans", 1,
+                              "--set", "scan.tilt_step_deg=4", "--set", "scan.pan_speed_deg_s=110")
         self.assertEqual(code, OK, errors)
         foreign = b"".join(struct.pack(">IqqII", 0xEDA1DA01, number, number, 6, 4) + b"CAMERA" + b"data"
                            for number in range(2))

@@ -2,6 +2,7 @@
 
 #include "firmware/store/map_frame.hpp"
 #include "tools/input/text.hpp"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
