@@ -252,6 +252,9 @@ std::vector<std::string> status_text(const SensorStatus& status) {
       field("map", map_text(status)),          field("scan", scan_text(status.head)),
       field("slam", slam_text(status.slam)),
   };
+  if (report.fix.is_home_replaced) {
+    lines.push_back(field("datum", replaced_home(report.fix)));
+  }
   for (std::string& line : devices_text(status)) {
     lines.push_back(std::move(line));
   }

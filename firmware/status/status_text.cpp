@@ -31,7 +31,7 @@ std::string_view meaning(core::FixReason reason) {
     case core::FixReason::Timing:
       return "the timing of a device is in doubt";
     case core::FixReason::Copy:
-      return "a copy of this place that is not in the map would look the same";
+      return "a copy of this place that is not in the map would look the same (acceptance.copy_size_m)";
     case core::FixReason::LocalMap:
       return "known in a local map, whose place in the home map is not known yet";
     case core::FixReason::NoScan:
@@ -107,6 +107,12 @@ std::string fix_phrase(const SensorStatus& status) {
       fix.status != core::FixStatus::Fix &&
       (fix.reason == core::FixReason::Device || fix.reason == core::FixReason::TooFewLandmarks);
   return with_problem(fix_phrase(fix), is_of_head ? status.head.problem.view() : std::string_view());
+}
+
+std::string replaced_home(const core::Fix& fix) {
+  return "the home map was replaced by map " + std::to_string(fix.home) +
+         ", for which the datum does not hold: no latitude and longitude until a map is loaded, or 'map reset' "
+         "where the datum holds";
 }
 
 std::string status_line(const SensorStatus& status) {
@@ -199,11 +205,7 @@ void StatusLogger::compare_fix(const SensorStatus& status, std::vector<LogEntry>
                        "the best hypothesis changed to another history; poses before and after "
                        "differ in more than motion"});
     if (fix.is_home_replaced) {
-      entries.push_back(
-          {LogLevel::Warning,
-           "the home map was replaced by map " + std::to_string(fix.home) +
-               ", and the datum is not its: no latitude and longitude until a map is loaded, or "
-               "'map reset' where the datum holds"});
+      entries.push_back({LogLevel::Warning, replaced_home(fix)});
     }
   }
   jumps_ = fix.jumps;

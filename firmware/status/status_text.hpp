@@ -101,6 +101,9 @@ struct PoseSigma {
 /// "fix x=12.34 m y=-5.60 m heading=87.1 deg, 23 of 30 landmarks", or why there is none.
 [[nodiscard]] std::string fix_phrase(const core::Fix& fix);
 
+/// What a home map that took the place of another means for latitude and longitude, and the way out.
+[[nodiscard]] std::string replaced_home(const core::Fix& fix);
+
 /// What systemctl status shows: the fix, the map, each device, what is in the way; one line.
 [[nodiscard]] std::string status_line(const SensorStatus& status);
 

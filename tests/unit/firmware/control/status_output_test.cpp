@@ -77,6 +77,15 @@ TEST(StatusText, BeforeTheFirstScanItSaysSo) {
   EXPECT_THAT(fix_json(status), HasSubstr(R"("status":"no_fix","reason":"no_scan")"));
 }
 
+TEST(StatusText, AReplacedHomeMapSaysThatTheDatumDoesNotHoldAndTheWayOut) {
+  SensorStatus status = fixed_status();
+  EXPECT_THAT(status_text(status), Not(Contains(HasSubstr("datum"))));
+  status.report.fix.is_home_replaced = true;
+  status.report.fix.home = 4;
+  EXPECT_THAT(status_text(status),
+              Contains(AllOf(HasSubstr("datum:"), HasSubstr("replaced by map 4"), HasSubstr("map reset"))));
+}
+
 TEST(StatusJson, ShowsNeverAsNull) {
   SensorStatus status = fixed_status();
   status.map_saved_ago = hal::kNever;
