@@ -27,6 +27,9 @@ constexpr double kUnlikeStructure = 7.0;  // of a world that hardly repeats itse
 constexpr double kUnlikeMargin = 6.0;     // decades above what wrong places of this world reach
 constexpr double kUnlikeTieMargin = 9.0;
 constexpr double kTieContradiction = 2.0;  // and against a tie
+// Prior odds of a place that no map has: even, but in a survey, whose giver says that the sensor is in it.
+constexpr double kUnmapped = 1.0;
+constexpr double kUnmappedSurvey = 1.0 / 300.0;
 
 double decades_of(double nats) noexcept {
   return nats / std::numbers::ln10;
@@ -128,13 +131,15 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   const auto is_rival = [&](const Weighed& other) {
     return &other != &best && rivals(other, best, stake, structure_decades, config);
   };
-  const double others = std::accumulate(
-      weighed.begin(), weighed.end(), 1.0 /* an unmapped place */, [&](double sum, const Weighed& other) {
+  const double unmapped = stake == Stake::Survey ? kUnmappedSurvey : kUnmapped;
+  const double others =
+      std::accumulate(weighed.begin(), weighed.end(), unmapped, [&](double sum, const Weighed& other) {
         return sum + (is_rival(other) ? std::exp(std::min(other.evidence.ln_bayes, 600.0)) : 0.0);
       });
-  const double chance = -decades_of(best.evidence.ln_bayes);
+  const double decades = decades_of(best.evidence.ln_bayes);
+  const double chance = std::log10(unmapped) - decades;
   const double risk = std::log10(risk_of(stake, config));
-  const double odds = chance + std::log10(others);
+  const double odds = std::log10(others) - decades;
   const double contradictions = best.evidence.contradiction_decades();
   const double copies = best.evidence.group_decades - std::max(0.0, contradictions - kUsualContradiction);
   const bool is_tie = stake == Stake::Tie || stake == Stake::Follow;
@@ -162,7 +167,7 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   if (asks_for_rivals && end == SearchEnd::Deadline && structure_decades >= kUnlikeStructure) {
     return refuse(verdict, FixStatus::Ambiguous, FixReason::Deadline);  // a rival may not have been found yet
   }
-  const double rival_decades = std::max(kRivalDecades, kRivalShare * -chance);
+  const double rival_decades = std::max(kRivalDecades, kRivalShare * decades);
   for (const Weighed& other : weighed) {
     if (asks_for_rivals && is_rival(other) && decades_of(other.evidence.ln_bayes) >= rival_decades &&
         other.evidence.contradiction_decades() < contradictions + kRivalMargin) {

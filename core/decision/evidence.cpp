@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <numbers>
 
@@ -24,11 +25,13 @@ constexpr double kContradictionPrior = 4.0;
 constexpr double kContradictionLearned = 0.1;  // per observation ...
 constexpr double kContradictionMost = 25.0;    // ... up to so many in all
 constexpr double kHalfWidth_m = 0.3;           // of what stands in the way
+constexpr std::size_t kAboutBins = 2;  // bearing bins on either side of a landmark that it shows as looked at
 // The size of what may come in copies where nothing is set: a copse, a bicycle stand, a parking bay. In a
 // complete survey copies are all known, and what is left is chance: this share of the mean spacing.
 constexpr double kCopy_m = 15.0;
 constexpr double kCopyShare = 0.8;
 constexpr double kGroupCap = std::numbers::ln10;  // a group is worth one decade at most
+constexpr double kShownPrior = 20.0;  // pseudo-observations of the share of a survey that a scan shows
 constexpr double kConfirmedClutter =
     0.05;  // share of the confirmed landmarks that another map may lack at least ...
 constexpr double kConfirmedShare = 0.5;  // ... or this share of what a scan's landmarks may
@@ -46,6 +49,10 @@ double ln_gamma(double x) noexcept {
          inverse * inverse * inverse / 360.0;
 }
 
+double ln_beta(double a, double b) noexcept {
+  return ln_gamma(a) + ln_gamma(b) - ln_gamma(a + b);
+}
+
 /// A witness' spread is one part of a match's variance, the landmark's own the other.
 double variance_share(const Standing& standing, double sigma_share) noexcept {
   return sigma_share * sigma_share + 1.0 / static_cast<double>(std::max(1U, standing.sightings));
@@ -56,11 +63,27 @@ double experience(double observations) noexcept {
   return std::min(kContradictionMost, kContradictionPrior + kContradictionLearned * observations);
 }
 
-/// Without a field of view the sensor looks where it has ever seen a landmark.
-bool is_looked_at(const ScanView& view, const Rates& rates, const Point2& p_L) noexcept {
-  const bool is_known = !view.free_m.empty() || view.field_of_view_rad > 0.0;
-  return view.shows(p_L, kHalfWidth_m) &&
-         (is_known || rates.bearings[Rates::bearing_bin(std::atan2(p_L.y(), p_L.x()))] > 0.0F);
+std::size_t bearing_bin_of(const Point2& p_L) noexcept {
+  return Rates::bearing_bin(std::atan2(p_L.y(), p_L.x()));
+}
+
+/// Without a field of view the sensor looks where it has ever seen a landmark; while nothing was learned, in a
+/// survey or a map from a file, about the landmarks of this scan.
+std::bitset<Rates::kBearingBins> seen_bearings(const Rates& rates, const Witnesses& witnesses) noexcept {
+  std::bitset<Rates::kBearingBins> bins;
+  for (std::size_t bin = 0; bin < Rates::kBearingBins; ++bin) {
+    bins[bin] = rates.bearings[bin] > 0.0F;
+  }
+  if (bins.any()) {
+    return bins;
+  }
+  for (const Point2& point_B : witnesses.points_B) {
+    const std::size_t bin = bearing_bin_of(witnesses.T_L_B * point_B);
+    for (std::size_t step = 0; step <= 2 * kAboutBins; ++step) {
+      bins.set((bin + Rates::kBearingBins - kAboutBins + step) % Rates::kBearingBins);
+    }
+  }
+  return bins;
 }
 
 }  // namespace
@@ -71,6 +94,12 @@ struct EvidenceScale::Scene {
   double reach_m = 0.0;  // the farthest witness
   double area_m2 = 0.0;  // of the witnesses' field
   double density_per_m2 = 0.0;
+  std::bitset<Rates::kBearingBins> bearings;  // in which the sensor looks
+
+  [[nodiscard]] bool is_looked_at(const ScanView& view, const Point2& p_L) const noexcept {
+    const bool is_known = !view.free_m.empty() || view.field_of_view_rad > 0.0;
+    return view.shows(p_L, kHalfWidth_m) && (is_known || bearings[bearing_bin_of(p_L)]);
+  }
 };
 
 double chance_to_be_shown(const Rates& rates, const Standing& standing, double range_m) noexcept {
@@ -112,7 +141,7 @@ double log10_beta_binomial_tail(std::uint32_t trials, std::uint32_t hits, double
 }
 
 Evidence EvidenceScale::weigh(const Witnesses& witnesses, const Maps& maps, Candidate& candidate) noexcept {
-  Scene scene{witnesses, maps};
+  Scene scene{witnesses, maps, 0.0, 0.0, 0.0, seen_bearings(maps.rates, witnesses)};
   for (const Point2& p : witnesses.points_B) {
     scene.reach_m = std::max(scene.reach_m, (witnesses.T_L_B * p).norm());
   }
@@ -280,6 +309,7 @@ void EvidenceScale::weigh_missing(const Scene& scene, const Candidate& candidate
   const Pose2 T_B_W = candidate.pose_W.inverse();
   const Witnesses& witnesses = scene.witnesses;
   double expected_missing = 0.0;
+  double ln_shown = 0.0;  // of all in view, matched or not, each by its own chance
   scene.maps.index.visit_within(
       candidate.map, candidate.pose_W.translation(), scene.reach_m + 2.0, [&](std::uint32_t slot, double) {
         const Point2 p_B = T_B_W * scene.maps.positions[slot];
@@ -287,8 +317,7 @@ void EvidenceScale::weigh_missing(const Scene& scene, const Candidate& candidate
         const double range_m = p_L.norm();
         double looked = 1.0;
         if (witnesses.view != nullptr) {
-          looked =
-              range_m <= scene.reach_m && is_looked_at(*witnesses.view, scene.maps.rates, p_L) ? 1.0 : 0.0;
+          looked = range_m <= scene.reach_m && scene.is_looked_at(*witnesses.view, p_L) ? 1.0 : 0.0;
         } else {
           looked = scene.maps.ground.explored(witnesses.own_map, witnesses.T_own_B * p_B);
         }
@@ -307,11 +336,20 @@ void EvidenceScale::weigh_missing(const Scene& scene, const Candidate& candidate
         expected_missing += 1.0 - shown;
         const bool is_matched = std::any_of(candidate.matches.begin(), candidate.matches.end(),
                                             [&](const Match& match) { return match.map == slot; });
+        ln_shown += is_matched ? std::log(shown) : std::log1p(-shown);
         if (!is_matched) {
           ++evidence.missing;
           evidence.ln_bayes += std::log1p(-shown);
         }
       });
+  if (witnesses.is_surveyed) {
+    // The share of a survey that a scan shows is not known: it is integrated out.
+    const double mean = scene.maps.rates.mean_detection();
+    const double a = kShownPrior * mean;
+    const double b = kShownPrior - a;
+    evidence.ln_bayes +=
+        ln_beta(a + evidence.in_view - evidence.missing, b + evidence.missing) - ln_beta(a, b) - ln_shown;
+  }
   if (evidence.in_view > 0) {
     evidence.log10_missing =
         log10_beta_binomial_tail(evidence.in_view, evidence.missing, expected_missing / evidence.in_view,

@@ -12,7 +12,9 @@
 namespace slamsensor::core {
 namespace {
 
-constexpr std::uint32_t kSurveyed = 10;  // sightings that a surveyed place counts as
+constexpr std::uint32_t kSurveyed = 10;  // sightings that a surveyed place counts as ...
+constexpr std::uint32_t kSurveyedChances =
+    16;  // ... and chances: a survey says nothing of how often it is shown
 
 /// A survey leaves out nothing beside a landmark.
 void look_about(const Point2& landmark_W, ExploredGround& ground) noexcept {
@@ -36,7 +38,7 @@ bool Atlas::take_survey(std::span<const Point2> landmarks_W) noexcept {
   for (const Point2& p_W : landmarks_W) {
     const std::uint32_t slot = graph_.add_landmark(0, p_W, 0, 0);
     SLAMSENSOR_ASSERT(slot != SightingGraph::kNone);
-    graph_.standing(slot) = {kSurveyed, kSurveyed};
+    graph_.standing(slot) = {kSurveyed, kSurveyedChances};
     graph_.set_prior(slot, kSurveyed);
     graph_.landmark(slot).file_sigma_m = 0.0F;
     ++maps_[0].landmarks;
@@ -175,7 +177,8 @@ MapCheck Atlas::restore(const MapState& state) noexcept {
     l.last_scan = from.last_scan;
     l.parents = from.parents;
     const std::uint32_t sightings = state.is_surveyed ? std::max(from.sightings, kSurveyed) : from.sightings;
-    graph_.standing(slot) = {sightings, std::max(from.chances, sightings)};
+    graph_.standing(slot) = {sightings,
+                             std::max(from.chances, state.is_surveyed ? kSurveyedChances : sightings)};
     graph_.set_prior(slot, sightings);
     l.file_sigma_m = from.sigma_m;
     ++entry.landmarks;

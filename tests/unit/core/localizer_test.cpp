@@ -26,6 +26,31 @@ Config localizer_config(SearchMethod search) {
   return c;
 }
 
+/// The map that a sensor made of `forest`, or that somebody surveyed, as a file keeps it.
+struct Kept {
+  explicit Kept(const Forest& forest) : positions_W(forest.trees_W) {
+    for (std::size_t i = 0; i < positions_W.size(); ++i) {
+      MapLandmark landmark;
+      landmark.id = static_cast<std::uint32_t>(i);
+      landmark.sightings = 5;  // as often as its scans show it
+      landmark.chances = 7;
+      landmarks.push_back(landmark);
+    }
+  }
+  MapState state(bool is_surveyed) const {
+    MapState state;
+    state.landmarks = landmarks;
+    state.positions_W = positions_W;
+    state.next_id = static_cast<std::uint32_t>(landmarks.size());
+    state.scans = 1;
+    state.is_surveyed = is_surveyed;
+    return state;
+  }
+
+  std::vector<Point2> positions_W;
+  std::vector<MapLandmark> landmarks;
+};
+
 class LocalizerBySearch : public testing::TestWithParam<SearchMethod> {
  protected:
   Fix locate(const std::vector<Point2>& scan) { return localizer->locate(tests::as_landmarks(scan), {}, {}); }
@@ -51,6 +76,34 @@ TEST_P(LocalizerBySearch, ForeignScansAreRefused) {
       accepted += fix.status == FixStatus::Fix ? 1 : 0;
     }
     EXPECT_EQ(accepted, 0) << "seed " << seed;
+  }
+}
+
+// In a dense map some place has a landmark near most points of any scan: what such a place has and the scan
+// does not show speaks against it. One in thirty of these was a fix in a survey.
+TEST(Localizer, PointsByChanceAreNowhereInADenseMap) {
+  Draw draw(26);
+  Config config = localizer_config(SearchMethod::Fast);
+  config.capacities.map_landmarks = 4'000;
+  config.capacities.map_edges = 64'000;
+  Forest forest = tests::make_forest(3'500, draw);
+  for (Point2& p_W : forest.trees_W) {
+    p_W *= 0.5;
+  }
+  const auto anywhere = [](Draw& from) { return from.uniform(-35.0, 35.0); };
+  for (const bool is_surveyed : {true, false}) {
+    tests::InArena<Localizer> localizer(config);
+    ASSERT_TRUE(localizer->restore(Kept(forest).state(is_surveyed)).ok());
+    int accepted = 0;
+    for (int i = 0; i < 150; ++i) {
+      std::vector<Point2> scan;
+      for (int k = 0; k < 28; ++k) {
+        const double x_m = anywhere(draw);
+        scan.emplace_back(x_m, anywhere(draw));
+      }
+      accepted += localizer->locate(tests::as_landmarks(scan), {}, {}).status == FixStatus::Fix ? 1 : 0;
+    }
+    EXPECT_EQ(accepted, 0) << (is_surveyed ? "survey" : "driven");
   }
 }
 
@@ -82,30 +135,6 @@ TEST_P(LocalizerBySearch, TwoCopiesOfAPlaceAreAmbiguous) {
   EXPECT_EQ(fix.status, FixStatus::Ambiguous);
   EXPECT_EQ(fix.reason, FixReason::Symmetric);
 }
-
-/// The map that a sensor made of `forest`, or that somebody surveyed, as a file keeps it.
-struct Kept {
-  explicit Kept(const Forest& forest) : positions_W(forest.trees_W) {
-    for (std::size_t i = 0; i < positions_W.size(); ++i) {
-      MapLandmark landmark;
-      landmark.id = static_cast<std::uint32_t>(i);
-      landmark.sightings = landmark.chances = 5;
-      landmarks.push_back(landmark);
-    }
-  }
-  MapState state(bool is_surveyed) const {
-    MapState state;
-    state.landmarks = landmarks;
-    state.positions_W = positions_W;
-    state.next_id = static_cast<std::uint32_t>(landmarks.size());
-    state.scans = 1;
-    state.is_surveyed = is_surveyed;
-    return state;
-  }
-
-  std::vector<Point2> positions_W;
-  std::vector<MapLandmark> landmarks;
-};
 
 // A map that a sensor made of a part of the world was taken for all of it: a copse just like one in it, and
 // never mapped, was a fix there.
