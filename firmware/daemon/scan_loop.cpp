@@ -150,8 +150,10 @@ void ScanLoop::report(hal::Stamp now, const PeriodicTimer& timer) noexcept {
   const SensorHead& head = head_.head();
   status.stamp = now;
   pan_tilt_watch_.report(head_.pan_tilt(), status.pan_tilt);
+  status.pan_tilt.counters.append(head_.pan_tilt_link());
   status.pan_tilt.model = text80(head_.pan_tilt().info().model);
   rangefinder_watch_.report(head_.rangefinder(), status.rangefinder);
+  status.rangefinder.counters.append(head_.rangefinder_link());
   status.rangefinder.model = text80(head_.rangefinder().info().product);
   status.phase = phase_of(head.scheduler());
   status.problem = ProblemText(head.problem());

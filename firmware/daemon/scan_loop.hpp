@@ -36,6 +36,14 @@ class HeadRuntime {
   [[nodiscard]] hal::PanTilt& pan_tilt() noexcept { return *drivers_.pan_tilt; }
   [[nodiscard]] hal::Rangefinder& rangefinder() noexcept { return *drivers_.rangefinder; }
   [[nodiscard]] SensorHead& head() noexcept { return *head_; }
+  /// What the devices' links have counted.
+  [[nodiscard]] std::span<const hal::Counter> pan_tilt_link() const noexcept {
+    return links_.pan_tilt_bytes ? links_.pan_tilt_bytes->counters() : links_.pan_tilt_can->counters();
+  }
+  [[nodiscard]] std::span<const hal::Counter> rangefinder_link() const noexcept {
+    return links_.rangefinder_bytes ? links_.rangefinder_bytes->counters()
+                                    : links_.rangefinder_can->counters();
+  }
   /// What is being recorded, or null.
   [[nodiscard]] TapeWriter* tape() noexcept { return tape_; }
   /// Nothing is written onto the tape any more.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "hal/counters.hpp"
 #include "hal/stamp.hpp"
 
 #include <cstddef>
@@ -41,6 +42,9 @@ class ByteLink {
   /// What keeps it down and what to do, for a person; empty when it is up or nothing is known. Valid until
   /// the next call of service().
   [[nodiscard]] virtual std::string_view problem() const noexcept { return {}; }
+
+  /// Counts of losses, errors and refusals, by names; none where nothing is counted.
+  [[nodiscard]] virtual std::span<const Counter> counters() const noexcept { return {}; }
 
   /// Takes the oldest bytes that have arrived, at most into.size(). Ok means count > 0.
   [[nodiscard]] virtual ByteRead read(std::span<std::uint8_t> into) noexcept = 0;

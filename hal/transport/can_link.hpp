@@ -48,6 +48,9 @@ class CanLink {
   /// See ByteLink::problem.
   [[nodiscard]] virtual std::string_view problem() const noexcept { return {}; }
 
+  /// See ByteLink::counters.
+  [[nodiscard]] virtual std::span<const Counter> counters() const noexcept { return {}; }
+
   /// Takes the oldest frame that passed the filters.
   [[nodiscard]] virtual CanRead receive() noexcept = 0;
 

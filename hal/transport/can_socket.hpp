@@ -123,7 +123,7 @@ class CanSocket final : public CanLink {
   /// function that is not const.
   [[nodiscard]] std::string_view problem() const noexcept override { return problem_.view(); }
 
-  [[nodiscard]] std::span<const Counter> counters() const noexcept { return counters_.all(); }
+  [[nodiscard]] std::span<const Counter> counters() const noexcept override { return counters_.all(); }
 
  private:
   struct Received;

@@ -68,9 +68,10 @@ namespace {
 constexpr std::string_view kKind = "serial port";
 
 constexpr std::array<std::string_view, 11> kEventNames = {
-    "opened",           "open_failed",      "hang_ups",     "io_errors",           "partial_writes",
-    "queue_full",       "oversized_writes", "rate_refused", "low_latency_refused", "rs485_refused",
-    "settings_restored"};
+    "opened",           "open_failed",           "hang_ups",
+    "io_errors",        "partial_writes",        "queue_full",
+    "oversized_writes", "rate_refused",          "low_latency_refused",
+    "rs485_refused",    "line_settings_restored"};
 
 constexpr Stamp kSettingsPeriod = std::chrono::milliseconds(100);
 

@@ -72,7 +72,7 @@ class SerialPort final : public ByteLink {
   /// function that is not const.
   [[nodiscard]] std::string_view problem() const noexcept override { return problem_.view(); }
 
-  [[nodiscard]] std::span<const Counter> counters() const noexcept { return counters_.all(); }
+  [[nodiscard]] std::span<const Counter> counters() const noexcept override { return counters_.all(); }
 
  private:
   static constexpr std::size_t kEvents = static_cast<std::size_t>(SerialEvent::SettingsRestored) + 1;

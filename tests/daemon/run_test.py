@@ -100,6 +100,14 @@ class Running(unittest.TestCase):
         self.refused("map load a/b", "value")
         self.refused("x" * 2000, "syntax")
 
+    def test_what_happens_on_a_devices_line_is_counted_with_the_device(self):
+        lines = [line.split() for line in self.ask("counters")[0]]
+        counters = self.sensor.status()["counters"]
+        for device in ("pan_tilt", "rangefinder"):
+            self.assertGreaterEqual(counters[device]["opened"], 1)
+            self.assertEqual(counters[device]["hang_ups"], 0)
+            self.assertEqual(len([line for line in lines if line[0].startswith(device)]), len(counters[device]))
+
     def test_scanning_pauses_and_goes_on(self):
         self.ask("scan pause")
         held = self.sensor.wait_status(lambda s: s["state"] == "held", "scanning to pause")
@@ -114,6 +122,7 @@ class Running(unittest.TestCase):
         self.ask("scan mode single")
         self.addCleanup(self.ask, "scan mode continuous")
         self.sensor.wait_status(lambda s: s["head"]["phase"] == "waiting", "the scan under way to end")
+        time.sleep(0.5)  # it is with SLAM now
         before = self.sensor.status()["slam"]["scans"]
         self.ask("scan now")
         self.sensor.wait_status(lambda s: s["slam"]["scans"] == before + 1, "the scan that was asked for")

@@ -308,9 +308,8 @@ std::string time_text(double t) {
   return text;
 }
 
-std::string left_in(std::string text, std::size_t width) {
-  text.resize(std::max(text.size(), width), ' ');
-  return text;
+std::string left_in(const std::string& text, std::size_t width) {
+  return text.size() < width ? text + std::string(width - text.size(), ' ') : text;
 }
 
 std::string right_in(const std::string& text, std::size_t width) {
