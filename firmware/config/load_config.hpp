@@ -31,8 +31,9 @@ struct Origin {
 /// One reason why a configuration is refused.
 struct ConfigError {
   Origin place;
-  std::string key;      ///< full path; empty when the file itself is at fault
-  std::string message;  ///< the value seen, what is allowed, what to do
+  std::string key;          ///< full path; empty when the file itself is at fault
+  std::string message;      ///< the value seen, what is allowed, what to do
+  bool is_unknown = false;  ///< there is no such key or section in this version
 
   /// "file:line:column: key: message", without the parts that are not known.
   [[nodiscard]] std::string text() const;

@@ -403,6 +403,7 @@ class Layer {
                (nearest.empty()
                     ? "'slamsensor check-config' lists all that exist"
                     : "did you mean " + nearest + "? 'slamsensor check-config' lists all that exist"));
+    errors_.back().is_unknown = true;
   }
 
   void refuse(const toml::source_region& place, std::string_view key, std::string message) {

@@ -13,6 +13,7 @@ import sys
 import tempfile
 import unittest
 import xml.dom.minidom
+import zlib
 
 PROGRAM, CONFIG = sys.argv[1], pathlib.Path(sys.argv[2])
 OK, USAGE, DATAERR, NOINPUT, CANTCREAT, CONFIGERR = 0, 64, 65, 66, 73, 78
@@ -21,6 +22,15 @@ OK, USAGE, DATAERR, NOINPUT, CANTCREAT, CONFIGERR = 0, 64, 65, 66, 73, 78
 def run(*arguments):
     done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=120)
     return done.returncode, done.stdout, done.stderr
+
+
+def with_other_settings(recording, word, other):
+    """The recording with `other`, as long as `word`, in its settings: LCM's text_t of time, CRC-32, length, text."""
+    begin = recording.index(b"SLAMSENSOR_CONFIG") + len("SLAMSENSOR_CONFIG")
+    size = struct.unpack(">I", recording[begin + 20:begin + 24])[0]
+    text = recording[begin + 24:begin + 23 + size].replace(word, other)
+    return (recording[:begin + 16] + struct.pack(">I", zlib.crc32(text)) + recording[begin + 20:begin + 24] + text +
+            recording[begin + 23 + size:])
 
 
 def pcd(points, declared=None, data="binary"):
@@ -428,7 +438,7 @@ class Cli(unittest.TestCase):
         self.assertEqual(run("locate", "--map", self.write("bad.csv", "id,x_m,y_m,sightings\n0,1,2,0\n"), "--scans", s,
                              "--out", poses)[0], DATAERR)
 
-    def test_a_foreign_part_of_a_recording_is_named_and_takes_nothing(self):
+    def test_a_foreign_part_or_setting_of_a_recording_is_named_and_takes_nothing(self):
         recording = self.folder / "a.lcm"
         code, _, errors = run("record", CONFIG / "scenarios" / "fast.toml", "--out", recording, "--scans", 1,
                               "--set", "scan.tilt_step_deg=4", "--set", "scan.pan_speed_deg_s=110")
@@ -445,6 +455,12 @@ class Cli(unittest.TestCase):
             self.assertEqual(code, OK, errors)
             self.assertIn("is no recording of scans and was passed over", output)
             self.assertEqual((self.out / "map.csv").read_text(), landmarks)
+        older = self.folder / "older.lcm"
+        older.write_bytes(with_other_settings(recording.read_bytes(), b"point_laser.unit_m", b"point_laser.unit_x"))
+        code, output, errors = run("replay", "--out", self.out, older)
+        self.assertEqual(code, OK, errors)
+        self.assertIn("(settings): made by another version; without effect are ", output)
+        self.assertIn("point_laser.unit_x", output)
 
     def test_numbers_of_options_are_numbers(self):
         truth = self.write("t.tum", "1 0 0 0 0 0 0 1\n")

@@ -67,18 +67,49 @@ void leave_out_own(const Options& options, std::vector<NotRead>& not_read) {
   not_read.erase(std::remove_if(not_read.begin(), not_read.end(), is_own), not_read.end());
 }
 
-/// What the recording was made with, under --config and --set.
-tl::expected<firmware::LoadedConfig, CommandError> load_for(const RecordingFile* recording,
-                                                            const ConfigOptions& options) {
-  firmware::LoadedConfig base;
-  if (recording != nullptr && recording->config) {
-    const std::string name = recording->path.string() + " (settings)";
-    const auto errors = firmware::apply_config_toml(base, *recording->config, name);
-    if (!errors.empty()) {
-      return tl::unexpected(CommandError{firmware::error_lines(errors), EX_DATAERR});
-    }
+/// The settings of a replay. Keys of a recording that this version does not have are left out: `note`.
+struct ReplaySettings {
+  firmware::LoadedConfig loaded;
+  std::string note;
+};
+
+/// What `recording` was made with.
+tl::expected<ReplaySettings, CommandError> recorded_settings(const RecordingFile& recording) {
+  ReplaySettings settings;
+  const std::string name = recording.path.string() + " (settings)";
+  auto errors = firmware::apply_config_toml(settings.loaded, *recording.config, name);
+  const auto unknown = std::stable_partition(errors.begin(), errors.end(),
+                                             [](const auto& error) { return !error.is_unknown; });
+  if (unknown != errors.begin()) {
+    errors.erase(unknown, errors.end());
+    return tl::unexpected(CommandError{firmware::error_lines(errors), EX_DATAERR});
   }
-  return load(options, std::move(base));
+  for (const firmware::ConfigError& error : errors) {
+    settings.note += (settings.note.empty() ? "" : ", ") + error.key;
+  }
+  if (!errors.empty()) {
+    settings.note = name + ": made by another version; without effect are " + settings.note;
+  }
+  return settings;
+}
+
+/// What the recording, if there is one, was made with, under --config and --set.
+tl::expected<ReplaySettings, CommandError> load_for(const RecordingFile* recording,
+                                                    const ConfigOptions& options) {
+  ReplaySettings settings;
+  if (recording != nullptr && recording->config) {
+    auto recorded = recorded_settings(*recording);
+    if (!recorded) {
+      return recorded;
+    }
+    settings = std::move(*recorded);
+  }
+  auto loaded = load(options, std::move(settings.loaded));
+  if (!loaded) {
+    return tl::unexpected(loaded.error());
+  }
+  settings.loaded = std::move(*loaded);
+  return settings;
 }
 
 std::string foreign_text(const RecordingFile& recording, std::size_t parts) {
@@ -96,11 +127,14 @@ tl::expected<Replay, CommandError> replay_all(const std::vector<RecordingFile>& 
       all.notes.push_back(foreign_text(recording, recordings.size()));
       continue;
     }
-    const auto loaded = load_for(&recording, options.config);
-    if (!loaded) {
-      return tl::unexpected(loaded.error());
+    const auto settings = load_for(&recording, options.config);
+    if (!settings) {
+      return tl::unexpected(settings.error());
     }
-    auto replayed = replay_recording(recording, loaded->config, progress);
+    if (!settings->note.empty()) {
+      all.notes.push_back(settings->note);
+    }
+    auto replayed = replay_recording(recording, settings->loaded.config, progress);
     if (!replayed) {
       return tl::unexpected(bad_input(replayed.error()));
     }
@@ -179,15 +213,15 @@ CommandResult run(const Options& options) {
   }
   const auto first = std::find_if(recordings->begin(), recordings->end(),
                                   [](const RecordingFile& recording) { return recording.has_scans(); });
-  const auto loaded = load_for(first == recordings->end() ? nullptr : &*first, options.config);
-  if (!loaded) {
-    return tl::unexpected(loaded.error());
+  const auto settings = load_for(first == recordings->end() ? nullptr : &*first, options.config);
+  if (!settings) {
+    return tl::unexpected(settings.error());
   }
   const auto truth = read_truth(options.truth);
   if (!truth) {
     return tl::unexpected(truth.error());
   }
-  auto result = make_replay(options, *recordings, loaded->config);
+  auto result = make_replay(options, *recordings, settings->loaded.config);
   if (!result) {
     return tl::unexpected(result.error());
   }
@@ -197,7 +231,8 @@ CommandResult run(const Options& options) {
     return tl::unexpected(evaluation.error());
   }
   const auto times = options.no_times ? MeasuredTimes::Empty : MeasuredTimes::Written;
-  const auto written = write_replay(*result, loaded->config, *truth, *evaluation, times, options.out);
+  const auto written =
+      write_replay(*result, settings->loaded.config, *truth, *evaluation, times, options.out);
   if (!written) {
     return tl::unexpected(CommandError{written.error().message + '\n', EX_CANTCREAT});
   }
