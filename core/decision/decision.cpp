@@ -56,6 +56,12 @@ double risk_of(Stake stake, const AcceptanceConfig& config) noexcept {
   return config.risk;
 }
 
+double copies_wanted(Stake stake) noexcept {
+  return stake == Stake::Tie                               ? kTieDecades
+         : stake == Stake::Again || stake == Stake::Follow ? kAgainDecades
+                                                           : kCopyDecades;
+}
+
 /// Whether `other` is another place than the answer.
 bool rivals(const Weighed& other, const Weighed& answer, Stake stake, double structure_decades,
             const AcceptanceConfig& config) noexcept {
@@ -143,9 +149,6 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   const double contradictions = best.evidence.contradiction_decades();
   const double copies = best.evidence.group_decades - std::max(0.0, contradictions - kUsualContradiction);
   const bool is_tie = stake == Stake::Tie || stake == Stake::Follow;
-  const double copies_wanted = stake == Stake::Tie                               ? kTieDecades
-                               : stake == Stake::Again || stake == Stake::Follow ? kAgainDecades
-                                                                                 : kCopyDecades;
   verdict.log10_expected_wrong = std::min(0.0, odds);
   if (chance > risk) {
     return refuse(verdict, FixStatus::NoFix, silence);
@@ -174,7 +177,7 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
       return refuse(verdict, FixStatus::Ambiguous, FixReason::Symmetric);
     }
   }
-  if (asks_for_copies && !is_unlike_others && copies < copies_wanted) {
+  if (asks_for_copies && !is_unlike_others && copies < copies_wanted(stake)) {
     return refuse(verdict, FixStatus::Ambiguous, FixReason::Copy);
   }
   verdict.status = FixStatus::Fix;

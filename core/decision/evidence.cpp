@@ -5,7 +5,6 @@
 #include <Eigen/LU>
 
 #include <algorithm>
-#include <bitset>
 #include <cmath>
 #include <numbers>
 
@@ -67,20 +66,22 @@ std::size_t bearing_bin_of(const Point2& p_L) noexcept {
   return Rates::bearing_bin(std::atan2(p_L.y(), p_L.x()));
 }
 
-/// Without a field of view the sensor looks where it has ever seen a landmark; while nothing was learned, in a
-/// survey or a map from a file, about the landmarks of this scan.
-std::bitset<Rates::kBearingBins> seen_bearings(const Rates& rates, const Witnesses& witnesses) noexcept {
-  std::bitset<Rates::kBearingBins> bins;
+using BearingBins = std::array<bool, Rates::kBearingBins>;
+
+/// Without a field of view the sensor looks where it has ever seen a landmark; while nothing was learned, in
+/// a survey or a map from a file, about the landmarks of this scan.
+BearingBins seen_bearings(const Rates& rates, const Witnesses& witnesses) noexcept {
+  BearingBins bins{};
   for (std::size_t bin = 0; bin < Rates::kBearingBins; ++bin) {
     bins[bin] = rates.bearings[bin] > 0.0F;
   }
-  if (bins.any()) {
+  if (std::find(bins.begin(), bins.end(), true) != bins.end()) {
     return bins;
   }
   for (const Point2& point_B : witnesses.points_B) {
     const std::size_t bin = bearing_bin_of(witnesses.T_L_B * point_B);
     for (std::size_t step = 0; step <= 2 * kAboutBins; ++step) {
-      bins.set((bin + Rates::kBearingBins - kAboutBins + step) % Rates::kBearingBins);
+      bins[(bin + Rates::kBearingBins - kAboutBins + step) % Rates::kBearingBins] = true;
     }
   }
   return bins;
@@ -94,7 +95,7 @@ struct EvidenceScale::Scene {
   double reach_m = 0.0;  // the farthest witness
   double area_m2 = 0.0;  // of the witnesses' field
   double density_per_m2 = 0.0;
-  std::bitset<Rates::kBearingBins> bearings;  // in which the sensor looks
+  BearingBins bearings{};  // in which the sensor looks
 
   [[nodiscard]] bool is_looked_at(const ScanView& view, const Point2& p_L) const noexcept {
     const bool is_known = !view.free_m.empty() || view.field_of_view_rad > 0.0;
