@@ -36,9 +36,9 @@ enum class Stake : std::uint8_t {
 /// The decision (DESIGN 2.4), in three stages, each of which must be passed by the leading candidate of
 /// `map`:
 ///
-/// 1. Chance. The posterior odds against all other places and an unmapped one, BF / (1 + sum of the others),
-/// exceed
-///    1 / risk.
+/// 1. Chance. The posterior odds against all other places and an unmapped one, BF / (u + sum of the others),
+///    exceed 1 / risk. u = 1, and 1/300 in a survey: whoever gives one says that the sensor is in it. (Of
+///    60,000 scans of other forests the strongest reached BF = 10^3.5.)
 /// 2. A copy that was never mapped. Independent groups of matches less the decades of contradiction reach
 ///    three decades; one decade of a scan that shows again what the scan before showed, and of a map that
 ///    began where the other was left: to be wrong, the carrier must have been taken to a perfect copy between

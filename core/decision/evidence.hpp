@@ -75,6 +75,8 @@ struct Evidence {
 /// needs no count of tests. What it cannot know is that the world comes in copies. Hence the two others.
 /// Landmarks within the size of a copy are one witness: groups count at most a decade each, the largest not
 /// at all. And what contradicts the pose counts by the tail of a beta-binomial, whose spread the rates give.
+/// In a survey nothing is learned of d: there the share that a scan shows is integrated out under a beta
+/// prior.
 class EvidenceScale {
  public:
   EvidenceScale(const AssociationConfig& association, const AcceptanceConfig& acceptance) noexcept
