@@ -267,7 +267,9 @@ class Live(unittest.TestCase):
 
         def reports():
             output = run("gpspipe", "-w", "-x", "4", f"localhost:{port}")[1]
-            classes = {json.loads(line)["class"]: json.loads(line) for line in output.splitlines() if line.startswith("{")}
+            whole = output[:output.rfind("\n") + 1].splitlines()  # gpspipe ends in the middle of a line
+            said = [json.loads(line) for line in whole if line.startswith("{")]
+            classes = {report["class"]: report for report in said}
             return classes if {"TPV", "ATT", "GST"} <= set(classes) and classes["TPV"].get("mode", 0) >= 2 else None
         found = wait_for(reports, "TPV, ATT and GST of gpsd", PATIENCE_S)
         self.assertIn("heading", found["ATT"])
