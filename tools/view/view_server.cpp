@@ -138,11 +138,21 @@ class ShortServer final : public httplib::Server {
  private:
   bool process_and_close_socket(socket_t socket) override {
     ShortStream stream(socket);
-    bool is_closed = false;
-    const bool is_served = process_request(stream, true, is_closed, nullptr);
+    const bool is_served = serve(stream);
     ::shutdown(socket, SHUT_RDWR);
     ::close(socket);
     return is_served;
+  }
+
+  /// As the library of Debian 12 (0.11) has it, or that of Debian 13 (0.18), which asks for addresses, too.
+  template <typename Stream>
+  bool serve(Stream& stream) {
+    bool is_closed = false;
+    if constexpr (requires { this->process_request(stream, true, is_closed, nullptr); }) {
+      return this->process_request(stream, true, is_closed, nullptr);
+    } else {
+      return this->process_request(stream, std::string(), 0, std::string(), 0, true, is_closed, nullptr);
+    }
   }
 };
 
