@@ -14,6 +14,8 @@ constexpr double kRateMax_hz = 10.0;
 using Cycles = std::chrono::duration<std::int64_t, std::kilo>;
 constexpr std::int64_t kCycle_ns = nanoseconds(Cycles(1)).count();  // has as many epochs as the rate has mHz
 constexpr nanoseconds kClockStepMin = std::chrono::milliseconds(500);
+// gpsd 3.22 takes two epochs of stamps not more than 10 ms apart for one, and then writes JSON that is none.
+constexpr std::chrono::duration<std::int64_t, std::centi> kStampGap{2};
 constexpr hal::Stamp kPromptGapMax = seconds(1);
 constexpr hal::Stamp kPromptRetry = std::chrono::milliseconds(1);
 
@@ -115,11 +117,11 @@ std::optional<PlannedEpoch> EpochPlanner::prompt(const OutputTime& now) noexcept
     return std::nullopt;
   }
   Hundredths stamp = std::chrono::floor<Hundredths>(now.utc);
-  if (last_stamp_ && stamp <= *last_stamp_) {
-    stamp = *last_stamp_ + Hundredths(1);
+  if (last_stamp_ && stamp < *last_stamp_ + kStampGap) {
+    stamp = *last_stamp_ + kStampGap;
   }
-  // The stamp of the next regular epoch is not taken away from it; it comes within this hundredth.
-  if (stamp >= std::chrono::floor<Hundredths>(time_of(last_index_ + 1))) {
+  // Too near to the next regular epoch it is left to that one, which comes within 30 ms.
+  if (stamp + kStampGap > std::chrono::floor<Hundredths>(time_of(last_index_ + 1))) {
     return std::nullopt;
   }
   last_prompt_ = now.monotonic;
