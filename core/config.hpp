@@ -68,8 +68,9 @@ enum class AcceptanceRule : std::uint8_t {
 
 struct AcceptanceConfig {
   AcceptanceRule rule = AcceptanceRule::Evidence;
-  double risk = 1e-6;        ///< expected wrong fixes per scan that are taken
-  double copy_size_m = 0.0;  ///< the largest thing that comes in copies; 0 = 15 m, in a survey from the density
+  double risk = 1e-6;  ///< expected wrong fixes per scan that are taken
+  double copy_size_m =
+      0.0;  ///< the largest thing that comes in copies; 0 = 15 m, in a survey from the density
   double elsewhere_m =
       1.0;  ///< a pose farther than this from the answer is elsewhere: one of the two is wrong
   double elsewhere_rad = 2.0 * kDegree;  ///< a pose turned by more than this is elsewhere, too

@@ -111,7 +111,8 @@ std::string fix_phrase(const SensorStatus& status) {
 
 std::string replaced_home(const core::Fix& fix) {
   return "the home map was replaced by map " + std::to_string(fix.home) +
-         ", for which the datum does not hold: no latitude and longitude until a map is loaded, or 'map reset' "
+         ", for which the datum does not hold: no latitude and longitude until a map is loaded, or 'map "
+         "reset' "
          "where the datum holds";
 }
 
