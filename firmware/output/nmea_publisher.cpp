@@ -120,7 +120,7 @@ std::optional<PlannedEpoch> EpochPlanner::prompt(const OutputTime& now) noexcept
   if (last_stamp_ && stamp < *last_stamp_ + kStampGap) {
     stamp = *last_stamp_ + kStampGap;
   }
-  // Too near to the next regular epoch it is left to that one, which comes within 30 ms.
+  // Too near to the next regular epoch the news are left to that one, which comes within 10 ms.
   if (stamp + kStampGap > std::chrono::floor<Hundredths>(time_of(last_index_ + 1))) {
     return std::nullopt;
   }

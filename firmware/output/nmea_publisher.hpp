@@ -34,9 +34,10 @@ struct PlannedEpoch {
 /// A scan takes seconds to minutes, and readers of NMEA expect a steady rate. So regular epochs come at the
 /// whole multiples of the period in UTC (of a rate in whole thousandths of a hertz, counted from a whole
 /// thousand seconds: every second, tenth of a second, ten seconds), whether or not there is something new.
-/// News also get a prompt epoch of their own at once, at most one in the shorter of a period and a second.
-/// Stamps rise by at least 0.01 s from epoch to epoch (gpsd takes two GGA of one time for a receiver that is
-/// stuck), unless the system's clock is set back.
+/// News also get a prompt epoch of their own at once, at most one in the shorter of a period and a second;
+/// within 10 ms before a regular epoch they wait for it. From a prompt epoch to a regular one, and back,
+/// stamps rise by at least 0.02 s (see kStampGap), unless the system's clock is set back. They always rise:
+/// gpsd takes two GGA of one time for a receiver that is stuck.
 ///
 /// No clock, nothing allocated; one thread.
 class EpochPlanner {
