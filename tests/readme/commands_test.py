@@ -267,13 +267,9 @@ class Live(unittest.TestCase):
 
         def reports():
             output = run("gpspipe", "-w", "-x", "4", f"localhost:{port}")[1]
-            classes = {}
-            for line in output.splitlines():
-                try:
-                    report = json.loads(line)
-                except ValueError:  # gpspipe ends within a line; gpsd 3.22 now and then writes an ATT with two commas
-                    continue
-                classes[report["class"]] = report
+            whole = output[:output.rfind("\n") + 1]  # gpspipe may end within a line
+            reported = [json.loads(line) for line in whole.splitlines() if line.startswith("{")]
+            classes = {report["class"]: report for report in reported}
             return classes if {"TPV", "ATT", "GST"} <= set(classes) and classes["TPV"].get("mode", 0) >= 2 else None
         found = wait_for(reports, "TPV, ATT and GST of gpsd", PATIENCE_S)
         self.assertIn("heading", found["ATT"])

@@ -49,6 +49,7 @@ class Mapped {
     Witnesses witnesses;
     witnesses.points_B = scan;
     witnesses.view = &view;
+    witnesses.is_surveyed = is_surveyed;
     return scale_.weigh(witnesses, {*index, positions, standing, *ground, rates}, candidate);
   }
   Evidence weigh_at(const std::vector<Point2>& scan, const Pose2& pose) {
@@ -70,6 +71,7 @@ class Mapped {
   std::vector<Standing> standing;
   Rates rates;
   ScanView view;
+  bool is_surveyed = false;
 
  private:
   Capacities capacities_;
@@ -191,6 +193,40 @@ TEST(Evidence, WhatIsHiddenIsNotMissing) {
   EXPECT_LT(walled.missing + 5, open.missing);
   EXPECT_GT(walled.ln_bayes, open.ln_bayes);
   EXPECT_GT(walled.log10_missing, open.log10_missing);
+}
+
+TEST(Evidence, WhileNothingWasLearnedTheSensorLooksAboutTheLandmarksOfTheScan) {
+  Draw draw(27);
+  const Forest forest = tests::make_forest(180, draw);
+  Mapped mapped(forest);
+  mapped.rates.bearings.fill(0.0F);
+  auto scan = tests::scan_forest(forest, {}, {48, 0.0, 0, 0.05}, draw);
+  const auto is_behind = [](const Point2& p) { return p.x() < 0.6 * p.norm(); };
+  scan.erase(std::remove_if(scan.begin(), scan.end(), is_behind), scan.end());
+  std::sort(scan.begin(), scan.end(), [](const Point2& a, const Point2& b) { return a.norm() > b.norm(); });
+  const Evidence whole = mapped.weigh_at(scan, {});
+  EXPECT_GE(whole.in_view, scan.size());
+  EXPECT_LT(whole.in_view, 2 * scan.size()) << "what is behind was not looked at";
+  scan.pop_back();
+  EXPECT_EQ(mapped.weigh_at(scan, {}).missing, whole.missing + 1);
+}
+
+// A list may hold the heaviest few of all that stand there.
+TEST(Evidence, OfASurveyTheShareThatAScanShowsIsNotKnown) {
+  Draw draw(28);
+  const Forest forest = tests::make_forest(180, draw);
+  Mapped mapped(forest);
+  const auto all = tests::scan_forest(forest, {}, {60, 0.0, 0, 0.05}, draw);
+  std::vector<Point2> scan;
+  for (std::size_t i = 3; i < all.size(); i += 4) {
+    scan.push_back(all[i]);
+  }
+  const Evidence driven = mapped.weigh_at(scan, {});
+  mapped.is_surveyed = true;
+  const Evidence surveyed = mapped.weigh_at(scan, {});
+  EXPECT_GT(driven.missing, 2 * driven.in_view / 3);
+  EXPECT_EQ(surveyed.missing, driven.missing);
+  EXPECT_GT(surveyed.ln_bayes, driven.ln_bayes + 5.0);
 }
 
 TEST(Evidence, LandmarksWithinTheSizeOfACopyAreOneGroup) {
