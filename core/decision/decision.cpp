@@ -66,10 +66,13 @@ double copies_wanted(Stake stake) noexcept {
 bool rivals(const Weighed& other, const Weighed& answer, Stake stake, double structure_decades,
             const AcceptanceConfig& config) noexcept {
   if (other.candidate.map != answer.candidate.map) {
-    // Another map may hold the same place. Where the world repeats itself that has to be shown first.
+    // Another map may hold the same place. Where the world repeats itself that has to be shown first: by an
+    // earlier scan that says the same of where the map lies, as long as nothing was seen to repeat itself.
     const bool counts =
         stake == Stake::Fix || (stake == Stake::Again && other.evidence.ln_bayes > answer.evidence.ln_bayes);
-    return counts && structure_decades >= kUnlikeStructure && other.candidate.matches.size() >= 3;
+    const bool is_shown = other.is_same_place && structure_decades <= Rates::kStartStructure;
+    return counts && !is_shown && structure_decades >= kUnlikeStructure &&
+           other.candidate.matches.size() >= 3;
   }
   return elsewhere(other.candidate.pose_W, answer.candidate.pose_W, config);
 }

@@ -11,6 +11,7 @@ namespace slamsensor::core {
 struct Weighed {
   Candidate candidate;
   Evidence evidence;
+  bool is_same_place = false;  ///< its map may lie so that this place and the answer's are one
 };
 
 /// What is to be thought of the candidates of a search in one map.

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -86,11 +87,15 @@ class EvidenceScale {
   /// refines the pose with the result, and weighs it. `candidate` keeps its map and triangle.
   [[nodiscard]] Evidence weigh(const Witnesses& witnesses, const Maps& maps, Candidate& candidate) noexcept;
 
-  /// 1 sigma per axis that matches have before anything was learned: a third of the tolerance.
-  [[nodiscard]] double start_sigma_m() const noexcept { return kStartSigma * association_.tolerance_m; }
+  /// 1 sigma per axis that matches have before anything was learned: a third of the tolerance, and no more
+  /// than kStartSigmaMax_m. A tolerance that leaves room for the edges of wide scans says nothing of points.
+  [[nodiscard]] double start_sigma_m() const noexcept {
+    return std::min(kStartSigmaMax_m, kStartSigma * association_.tolerance_m);
+  }
 
  private:
   static constexpr double kStartSigma = 1.0 / 3.0;
+  static constexpr double kStartSigmaMax_m = 0.25;  // no landmark of the paper's tolerances repeats worse
 
   struct Scene;
   void match(const Scene& scene, double gate_m, Candidate& candidate) noexcept;

@@ -43,7 +43,8 @@ struct Rates {
 
   /// How far this world repeats itself: a high quantile of the decades by which the second best place of the
   /// map explains a scan. Wrong places that were mapped are a sample of wrong places that were not.
-  double structure_decades = 8.0;
+  static constexpr double kStartStructure = 8.0;
+  double structure_decades = kStartStructure;
 
   /// A scan whose second best place elsewhere explained it by `decades`, and `news` of whose landmarks, as a
   /// share, stand on ground that taught nothing before: a hundred scans of one copse say no more of the world

@@ -84,6 +84,9 @@ Fix Atlas::process(std::span<const ScanLandmark> landmarks, const ScanView& view
   fix.scan = scan_.number = scans_++;
   graph_.set_home(home_);
   scan_.view = &view;
+  if (!view.free_m.empty() && graph_.expected_offset_m() == 0.0) {
+    graph_.expect_offset(kNearFace_m);
+  }
   take_landmarks(landmarks);
   weighed_.clear();
   fix.landmarks_seen = static_cast<std::uint32_t>(points_B_.size());
@@ -190,9 +193,9 @@ void Atlas::describe(const Weighed& w, Fix& fix) const noexcept {
 /// fixed, and which displaces what is far from the origin.
 void Atlas::add_common_errors(MapSlot map, const MatchList& matches, Fix& fix) const noexcept {
   const MapEntry& entry = maps_[map];
-  const bool is_raw = !scan_.view->free_m.empty() && graph_.offset_m() == 0.0;
-  const double bias_m = is_raw ? kUnknownOffset_m : kScanBias_m;
-  const double bias_rad = is_raw ? kUnknownOffset_rad : kScanBias_rad;
+  const bool is_open = !scan_.view->free_m.empty() && !graph_.is_offset_found();
+  const double bias_m = is_open ? kUnknownOffset_m : kScanBias_m;
+  const double bias_rad = is_open ? kUnknownOffset_rad : kScanBias_rad;
   fix.covariance_near(0, 0) += bias_m * bias_m;
   fix.covariance_near(1, 1) += bias_m * bias_m;
   fix.covariance_near(2, 2) += bias_rad * bias_rad;
@@ -233,8 +236,7 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
   }
   found_home();
   if (home_ != kNoMap) {
-    verdict = decide(weighed_.span(), home_, stake_of(home_), fix.search_end, rates_.structure_decades,
-                     config_.acceptance);
+    verdict = decide_in(home_, stake_of(home_), fix.search_end);
   }
   if (verdict.status == FixStatus::Fix && !has_fixed_ && !is_surveyed_ &&
       weighed_[verdict.chosen].evidence.covariance(2, 2) > kFirstTurn_rad * kFirstTurn_rad) {
@@ -259,9 +261,8 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
     extend(weighed_[verdict.chosen]);
     tie_of =
         local && weighed_[*local].evidence.ln_bayes > std::log(1e4) ? weighed_[*local].candidate.map : kNoMap;
-  } else if (local && decide(weighed_.span(), weighed_[*local].candidate.map, Stake::Local, fix.search_end,
-                             rates_.structure_decades, config_.acceptance)
-                              .status == FixStatus::Fix) {
+  } else if (local && decide_in(weighed_[*local].candidate.map, Stake::Local, fix.search_end).status ==
+                          FixStatus::Fix) {
     tie_of = keep_locally(weighed_[*local], verdict.status == FixStatus::NoFix || fits_local_better, fix);
   } else if (fix.search_end != SearchEnd::Deadline || graph_.index().size() == 0) {
     learn_structure(best_in(weighed_.span(), weighed_.empty() ? kNoMap : weighed_[0].candidate.map), 0);
@@ -282,10 +283,10 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
 /// A scan that a local map explains. It is the answer when the home map has none. Returns the map that it was
 /// brought into.
 MapSlot Atlas::keep_locally(const Weighed& chosen, bool is_answer, Fix& fix) noexcept {
-  note_places(chosen);
   const MapSlot map = chosen.candidate.map;
   // One that does not follow another there may be at a copy of the place, and begins a map of its own.
   const bool is_sure = is_sure_in(map, fix.search_end);
+  note_places(map, chosen.candidate.pose_W);
   if (is_sure || stake_of(map) == Stake::Again) {
     maps_[map].is_doubtful = maps_[map].is_doubtful || !is_sure;
     if (is_answer) {
@@ -301,10 +302,17 @@ MapSlot Atlas::keep_locally(const Weighed& chosen, bool is_answer, Fix& fix) noe
   return kNoMap;
 }
 
+Verdict Atlas::decide_in(MapSlot map, Stake stake, SearchEnd end) noexcept {
+  const std::size_t best = best_in(weighed_.span(), map);
+  for (Weighed& other : weighed_) {
+    other.is_same_place = best != SIZE_MAX && is_same_place(other.candidate, weighed_[best].candidate);
+  }
+  return decide(weighed_.span(), map, stake, end, rates_.structure_decades, config_.acceptance);
+}
+
 /// Whether the scan would be a fix if `map` were the home map.
-bool Atlas::is_sure_in(MapSlot map, SearchEnd end) const noexcept {
-  return decide(weighed_.span(), map, stake_of(map), end, rates_.structure_decades, config_.acceptance)
-             .status == FixStatus::Fix;
+bool Atlas::is_sure_in(MapSlot map, SearchEnd end) noexcept {
+  return decide_in(map, stake_of(map), end).status == FixStatus::Fix;
 }
 
 /// The first scan that would be a fix in the local map that it is found in makes that map the home map.
@@ -419,6 +427,7 @@ void Atlas::start_map(Fix& fix) noexcept {
   pose.is_anchor = 1;
   entry.last_place = graph_.add_pose(pose, seen_.span());
   look_around(map, Pose2{});
+  note_places(map, Pose2{});
   ++revision_;
   double square_m2 = 0.0;
   for (const Point2& p : points_B_) {
@@ -500,8 +509,9 @@ std::uint32_t Atlas::least_useful_in_turn() noexcept {
   return worst;
 }
 
-/// The home map is the first that deserves it. A poor one does not bind: when nothing was found in it for
-/// long, and a local map has become much larger, that one is the home map from then on.
+/// The home map is the first that deserves it. A poor one does not bind: one of a single scan, of which
+/// nothing was confirmed, gives way to the first map that three scans show; another, when nothing was found
+/// in it for long, to a local map that has become much larger.
 void Atlas::choose_home() noexcept {
   const bool is_idle = home_ != kNoMap && scan_.number - maps_[home_].last_scan > kHomeIdleScans &&
                        maps_[home_].confirmed < kHomeSure;
@@ -511,11 +521,12 @@ void Atlas::choose_home() noexcept {
   }
   MapSlot best = kNoMap;
   for (MapSlot i = 0; i < kMapsMax; ++i) {
-    const std::uint32_t wanted =
-        home_ == kNoMap ? kHomeConfirmed : std::max(kHomeConfirmed, 3 * maps_[home_].confirmed);
+    const std::uint32_t wanted = home_ == kNoMap ? kHomeConfirmed
+                                 : is_alone      ? kHomeAtOnce
+                                                 : std::max(kHomeConfirmed, 3 * maps_[home_].confirmed);
+    const std::uint32_t scans = home_ == kNoMap ? 2 : is_alone ? kReplacingAlone : kReplacingScans;
     if (i != home_ && maps_[i].number != 0 && !maps_[i].is_doubtful && maps_[i].confirmed >= wanted &&
-        maps_[i].scans >= (home_ == kNoMap ? 2U : kReplacingScans) &&
-        (best == kNoMap || maps_[i].confirmed > maps_[best].confirmed)) {
+        maps_[i].scans >= scans && (best == kNoMap || maps_[i].confirmed > maps_[best].confirmed)) {
       best = i;
     }
   }

@@ -127,9 +127,11 @@ class Atlas {
   void extend(const Weighed& weighed) noexcept;
   void refine_with(const Weighed& weighed, std::uint32_t xi) noexcept;
   void step_groups(const Weighed& weighed, MapSlot map) noexcept;
-  void note_places(const Weighed& local) noexcept;
+  void note_places(MapSlot map, const Pose2& T_map_B) noexcept;
+  [[nodiscard]] Verdict decide_in(MapSlot map, Stake stake, SearchEnd end) noexcept;
+  [[nodiscard]] bool is_same_place(const Candidate& a, const Candidate& b) const noexcept;
   void learn_from(const Weighed& weighed) noexcept;
-  [[nodiscard]] bool is_sure_in(MapSlot map, SearchEnd end) const noexcept;
+  [[nodiscard]] bool is_sure_in(MapSlot map, SearchEnd end) noexcept;
   void found_home() noexcept;
   void found_home_with(MapSlot map, Fix& fix) noexcept;
   [[nodiscard]] MapSlot keep_locally(const Weighed& chosen, bool is_answer, Fix& fix) noexcept;

@@ -118,7 +118,10 @@ void Atlas::step_groups(const Weighed& w, MapSlot map) noexcept {
   }
   ++scans_since_step_;
   const auto share = static_cast<std::uint32_t>(graph_.sightings_kept() / kSightingsPerScan);
-  if (group_steps_due_ > 0 || scans_since_step_ >= std::max(kGroupStepScans, share)) {
+  // How far centres lie behind what readings show is learned as soon as possible: until then every scan errs.
+  const bool is_offset_open =
+      graph_.expected_offset_m() > 0.0 && !graph_.is_offset_found() && maps_[map].scans <= kOffsetOpenScans;
+  if (group_steps_due_ > 0 || is_offset_open || scans_since_step_ >= std::max(kGroupStepScans, share)) {
     group_steps_due_ -= group_steps_due_ > 0 ? 1 : 0;
     scans_since_step_ = 0;
     const bool is_linking = has_linked_ && scan_.number - linked_scan_ <= kLinkingScans;

@@ -15,6 +15,10 @@ inline constexpr std::uint32_t kHomeAtOnce =
 inline constexpr std::uint32_t kHomeConfirmed = 5;  // landmarks seen twice that make a local map the home map
 inline constexpr std::uint32_t kReplacingScans =
     15;  // of a map that takes the place of a home map: it has that long to be tied instead
+inline constexpr std::uint32_t kReplacingAlone =
+    3;  // the same of a home map of one scan, of which nothing was ever confirmed
+inline constexpr std::uint32_t kYoungScans =
+    5;  // of a map in which no copy of a place was met yet that the scans left and came back to
 inline constexpr double kFoundingOdds = 1e3;         // beyond those of a fix: all that follows builds on it
 inline constexpr std::uint32_t kHomeIdleScans = 30;  // without a fix, after which a home map ...
 inline constexpr std::uint32_t kHomeSure =
@@ -61,6 +65,9 @@ inline constexpr double kLearnApart = 0.03;           // of the scan's reach
 inline constexpr double kRatesMemory = 4'000.0;       // observations after which old ones are forgotten
 inline constexpr std::uint32_t kRefitAround = 16;     // poses
 inline constexpr std::uint32_t kRefitInTurn = 6'000;  // sightings a scan
+inline constexpr double kNearFace_m =
+    0.15;  // before the centres, of what readings measure of a trunk or a bush
+inline constexpr std::uint32_t kOffsetOpenScans = 20;  // of a map, in which that is looked for at every scan
 inline constexpr double kUnknownOffset_m =
     0.12;  // bias of a pose from near faces whose distance to the centres is not known yet
 inline constexpr double kUnknownOffset_rad = 0.4 * kDegree;

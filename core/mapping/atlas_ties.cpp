@@ -13,13 +13,13 @@
 namespace slamsensor::core {
 
 /// The scan of a local map that may also lie elsewhere says where the whole local map may lie.
-void Atlas::note_places(const Weighed& local) noexcept {
-  MapEntry& map = maps_[local.candidate.map];
+void Atlas::note_places(MapSlot slot, const Pose2& T_map_B) noexcept {
+  MapEntry& map = maps_[slot];
   for (const Weighed& other : weighed_) {
-    if (other.candidate.map == local.candidate.map || other.evidence.ln_bayes < std::log(100.0)) {
+    if (other.candidate.map == slot || other.evidence.ln_bayes < std::log(100.0)) {
       continue;
     }
-    const Pose2 T = other.candidate.pose_W * local.candidate.pose_W.inverse();
+    const Pose2 T = other.candidate.pose_W * T_map_B.inverse();
     auto* place = std::find_if(map.places.begin(), map.places.end(), [&](const PlaceHypothesis& p) {
       return p.target == other.candidate.map && !elsewhere(p.T_target_map, T, config_.acceptance);
     });
@@ -39,6 +39,20 @@ void Atlas::note_places(const Weighed& local) noexcept {
   }
   std::sort(map.places.begin(), map.places.end(),
             [](const PlaceHypothesis& a, const PlaceHypothesis& b) { return a.W > b.W; });
+}
+
+/// Whether `a` and `b` are one place in two maps: one map is young, the other began when the scans left it,
+/// and earlier scans said of its place what these candidates say. Later a copy may have been met between.
+bool Atlas::is_same_place(const Candidate& a, const Candidate& b) const noexcept {
+  const auto lies_so = [&](const Candidate& local, const Candidate& other) {
+    const auto& places = maps_[local.map].places;
+    return maps_[local.map].follows == maps_[other.map].number && maps_[other.map].scans <= kYoungScans &&
+           std::any_of(places.begin(), places.end(), [&](const PlaceHypothesis& place) {
+             return place.target == other.map &&
+                    !elsewhere(place.T_target_map * local.pose_W, other.pose_W, config_.acceptance);
+           });
+  };
+  return lies_so(a, b) || lies_so(b, a);
 }
 
 /// Holds the confirmed landmarks of a local map, as a whole, against all other maps.

@@ -20,6 +20,9 @@ constexpr double kOffsetMax_m = 0.5;
 constexpr double kOffsetStep_m = 0.1;     // at a time: the association has yet to follow
 constexpr double kOffsetMin_m = 0.08;     // a smaller step from none is taken for what errors have in common
 constexpr double kOffsetWorth_m = 0.002;  // a smaller change is not worth moving all landmarks
+constexpr double kOffsetDue_m = 0.02;     // one that is surely larger is, whatever it gains so far
+constexpr double kOffsetDueSigmas = 2.0;  // surely: by so many sigma
+constexpr double kOffsetFound_m = 0.04;   // 1 sigma
 
 }  // namespace
 
@@ -38,7 +41,7 @@ void SightingGraph::group_step(MapSlot map, double sigma_m, double gain_min) noe
   }
   const std::uint32_t unknowns = 3 * groups + 1;
   system(unknowns - 1, unknowns - 1) += kOffsetPrior;
-  step_[unknowns - 1] -= kOffsetPrior * offset_m_;
+  step_[unknowns - 1] -= kOffsetPrior * (offset_m_ - expected_offset_m_);
   hold_frame(map, groups);
   if (!factorise(unknowns)) {
     return;
@@ -48,20 +51,24 @@ void SightingGraph::group_step(MapSlot map, double sigma_m, double gain_min) noe
   // The offset is found where each pose is a group of its own: larger groups would bend to take it up. It is
   // the last unknown, so that the step of the poses without it is that of the leading part of the equations.
   std::uint32_t moved = unknowns;
-  const double worth_m = offset_worth_m(sigma_m / system(unknowns - 1, unknowns - 1));
-  if (std::any_of(members_.begin(), members_.begin() + groups,
-                  [](double members) { return members > 1.0; }) ||
-      std::abs(step_[unknowns - 1]) < worth_m) {
+  const double offset_sigma_m = sigma_m / system(unknowns - 1, unknowns - 1);
+  const double offset_step_m = std::abs(step_[unknowns - 1]);
+  const bool is_each_apart =
+      std::none_of(members_.begin(), members_.begin() + groups, [](double members) { return members > 1.0; });
+  is_offset_found_ = is_offset_found_ || (is_each_apart && offset_sigma_m <= kOffsetFound_m);
+  if (!is_each_apart || offset_step_m < offset_worth_m(offset_sigma_m)) {
     moved = 3 * groups;
     step_ = slope;
     solve(std::span(step_).first(moved));
   }
+  const bool is_offset_due = moved == unknowns && expected_offset_m_ > 0.0 &&
+                             offset_step_m >= std::max(kOffsetDue_m, kOffsetDueSigmas * offset_sigma_m);
   find_drift(map, groups);
   double gain = 0.0;  // of the step: by how much it lowers the sum of squares
   for (std::size_t i = 0; i < std::size_t{moved}; ++i) {
     gain += slope[i] * step_[i];
   }
-  if (gain < gain_min * sigma_m * sigma_m) {
+  if (gain < gain_min * sigma_m * sigma_m && !is_offset_due) {
     return;
   }
   const double offset_m = offset_m_;

@@ -486,8 +486,8 @@ void SightingGraph::sum_anew() noexcept {
   }
 }
 
-void SightingGraph::set_offset(double offset_m) noexcept {
-  offset_m_ = offset_m;
+void SightingGraph::expect_offset(double offset_m) noexcept {
+  expected_offset_m_ = offset_m_ = offset_m;
   sum_anew();
 }
 
@@ -510,7 +510,8 @@ void SightingGraph::clear() noexcept {
   pose_head_ = pose_tail_ = sighting_head_ = sighting_tail_ = turn_ = 0;
   folded_ = 0;
   next_id_ = 0;
-  offset_m_ = 0.0;
+  offset_m_ = expected_offset_m_ = 0.0;
+  is_offset_found_ = false;
   drifts_[0].map = drifts_[1].map = UINT16_MAX;
 }
 

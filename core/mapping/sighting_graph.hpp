@@ -135,8 +135,9 @@ class SightingGraph {
   void forget(MapSlot map) noexcept;
   void clear() noexcept;
 
-  /// Sets how much farther a landmark's centre lies than was measured (m). Landmarks follow.
-  void set_offset(double offset_m) noexcept;
+  /// Sets how much farther a landmark's centre is expected to lie than was measured (m), before the sightings
+  /// show it. Landmarks follow.
+  void expect_offset(double offset_m) noexcept;
   /// A measured point in the body's frame.
   [[nodiscard]] Point2 body_point(const Point2& point_L) const noexcept;
 
@@ -200,6 +201,9 @@ class SightingGraph {
   /// Drift is kept of `home` and of one more map: that of the last group step in another.
   void set_home(MapSlot home) noexcept;
   [[nodiscard]] double offset_m() const noexcept { return offset_m_; }
+  [[nodiscard]] double expected_offset_m() const noexcept { return expected_offset_m_; }
+  /// Whether the sightings show the offset, expected or not.
+  [[nodiscard]] bool is_offset_found() const noexcept { return is_offset_found_; }
 
  private:
   static constexpr std::uint32_t kGroupsMax = 40;
@@ -266,6 +270,8 @@ class SightingGraph {
   Pose2 T_B_L_;
   double robust_scale_m_;
   double offset_m_ = 0.0;
+  double expected_offset_m_ = 0.0;
+  bool is_offset_found_ = false;
   LandmarkIndex index_;
   BoundedVector<GraphLandmark> landmarks_;
   BoundedVector<Point2> positions_;

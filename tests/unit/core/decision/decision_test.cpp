@@ -152,6 +152,18 @@ TEST(Decide, AnotherMapIsARivalWhereTheWorldRepeatsItself) {
   EXPECT_EQ(judge({good(), other}, Stake::Fix, 3.0).status, FixStatus::Fix);
 }
 
+// Unless an earlier scan said that both places are one, and nothing was seen to repeat itself since the
+// start.
+TEST(Decide, AnotherMapIsNoRivalWhereItLiesSoThatBothPlacesAreOne) {
+  Weighed other = good(0.0, 25.0);
+  other.candidate.map = kOther;
+  other.is_same_place = true;
+  EXPECT_EQ(judge({good(), other}, Stake::Fix, Rates::kStartStructure).status, FixStatus::Fix);
+  EXPECT_EQ(judge({good(), other}, Stake::Fix, Rates::kStartStructure + 0.1).status, FixStatus::Ambiguous);
+  Weighed elsewhere_in_home = good(50.0, 25.0);
+  EXPECT_EQ(judge({elsewhere_in_home, good(), other}).status, FixStatus::Ambiguous);
+}
+
 TEST(Decide, ALocalMapBindsNothingAndAsksForLess) {
   Weighed copse = good(0.0, 6.0);
   copse.evidence.group_decades = 0.0;
