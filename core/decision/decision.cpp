@@ -26,6 +26,7 @@ constexpr double kUnlikeContradiction = 5.0;
 constexpr double kUnlikeStructure = 7.0;  // of a world that hardly repeats itself
 constexpr double kUnlikeMargin = 6.0;     // decades above what wrong places of this world reach
 constexpr double kUnlikeTieMargin = 9.0;
+constexpr double kBeyondWrong = 1.0;  // decades above what wrong places of a world that repeats itself reach
 constexpr double kTieContradiction = 2.0;  // and against a tie
 // Prior odds of a place that no map has: even, but in a survey, whose giver says that the sensor is in it.
 constexpr double kUnmapped = 1.0;
@@ -169,6 +170,10 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   }
   if (odds > risk) {
     return refuse(verdict, FixStatus::Ambiguous, FixReason::Symmetric);
+  }
+  if (stake == Stake::Fix && structure_decades > Rates::kStartStructure &&
+      decades < structure_decades + kBeyondWrong) {
+    return refuse(verdict, FixStatus::Ambiguous, FixReason::Symmetric);  // wrong places explain as much here
   }
   if (asks_for_rivals && end == SearchEnd::Deadline && structure_decades >= kUnlikeStructure) {
     return refuse(verdict, FixStatus::Ambiguous, FixReason::Deadline);  // a rival may not have been found yet

@@ -249,7 +249,8 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
   // A local map that explains the scan far better says that this is its place, wherever that is.
   const bool fits_local_better =
       local && verdict.chosen != SIZE_MAX && weighed_[*local].evidence.ln_bayes > 0.0 &&
-      weighed_[verdict.chosen].evidence.ln_bayes < kHomeShare * weighed_[*local].evidence.ln_bayes;
+      weighed_[verdict.chosen].evidence.ln_bayes <
+          home_share(weighed_[*local].candidate.map) * weighed_[*local].evidence.ln_bayes;
   if (verdict.chosen != SIZE_MAX) {
     describe(weighed_[verdict.chosen], fix);
   }
@@ -278,6 +279,16 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
     try_tie(tie_of, deadline);
   }
   choose_home();
+}
+
+/// The share of the decades of a local map with which the home map is still believed. A local map that grew
+/// scan by scan up to this one and was not tied yet contradicts the home map as a whole: a copy of a place
+/// may look like home in one scan.
+double Atlas::home_share(MapSlot local) const noexcept {
+  const bool goes_on = maps_[local].scans >= kGrownScans &&
+                       maps_[local].last_scan + 1 + blind_scans_ >= scan_.number &&
+                       maps_[home_].last_scan + 1 + blind_scans_ < scan_.number;
+  return goes_on ? 1.0 : kHomeShare;
 }
 
 /// A scan that a local map explains. It is the answer when the home map has none. Returns the map that it was

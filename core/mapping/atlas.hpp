@@ -121,6 +121,7 @@ class Atlas {
   void weigh(const Witnesses& witnesses, const Candidates& found, BoundedVector<Weighed>& weighed) noexcept;
   void localise(const Deadline& deadline, Fix& fix) noexcept;
   [[nodiscard]] std::optional<std::size_t> best_local() const noexcept;
+  [[nodiscard]] double home_share(MapSlot local) const noexcept;
   [[nodiscard]] Stake stake_of(MapSlot map) const noexcept;
   void describe(const Weighed& weighed, Fix& fix) const noexcept;
   void add_common_errors(MapSlot map, const MatchList& matches, Fix& fix) const noexcept;

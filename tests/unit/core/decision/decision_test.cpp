@@ -164,6 +164,16 @@ TEST(Decide, AnotherMapIsNoRivalWhereItLiesSoThatBothPlacesAreOne) {
   EXPECT_EQ(judge({elsewhere_in_home, good(), other}).status, FixStatus::Ambiguous);
 }
 
+// A scan of a plantation was a fix 79 m from where it was: 13.0 decades, where wrong places of that map had
+// reached 13.3.
+TEST(Decide, WhereTheWorldRepeatsItselfAFixExplainsMoreThanWrongPlacesDo) {
+  EXPECT_EQ(judge({good(0.0, 13.0)}, Stake::Fix, 13.3).reason, FixReason::Symmetric);
+  EXPECT_EQ(judge({good(0.0, 15.0)}, Stake::Fix, 13.3).status, FixStatus::Fix);
+  EXPECT_EQ(judge({good(0.0, 13.0)}, Stake::Again, 13.3).status, FixStatus::Fix) << "seen just before";
+  EXPECT_EQ(judge({good(0.0, 7.0)}, Stake::Fix, Rates::kStartStructure).status, FixStatus::Fix)
+      << "nothing is known of this world yet";
+}
+
 TEST(Decide, ALocalMapBindsNothingAndAsksForLess) {
   Weighed copse = good(0.0, 6.0);
   copse.evidence.group_decades = 0.0;
