@@ -116,6 +116,28 @@ class Degraded(unittest.TestCase):
             self.assertGreaterEqual(device["recoveries"], 1)
         self.ends()
 
+    # Configurations of a former version.
+
+    def test_keys_of_a_former_version_are_named_and_keep_nobody_from_starting(self):
+        former = self.sensor.config.read_text() + "\n[pan_fit]\npolls_min = 4\n"
+        line = former[:former.index("polls_min")].count("\n") + 1
+        told = f"sensor.toml:{line}:1: pan_fit.polls_min: has no effect any more; remove it"
+        self.sensor.config.write_text(former)
+        checked = subprocess.run([PROGRAMS[0], "check-config", self.sensor.config], capture_output=True, text=True)
+        self.assertEqual(checked.returncode, OK, checked.stderr)
+        self.assertEqual(checked.stderr.count(told), 1, checked.stderr)
+        self.assertIn("nmea.rate_hz", checked.stdout)
+        self.sensor.start_head()
+        self.sensor.start()
+        self.sensor.wait_fix()
+        self.assertRegex(self.sensor.log(), f" warning: .*{re.escape(told)}")
+        self.assertEqual(self.sensor.log().count(told), 1, self.sensor.log())
+        self.assertIn(told, "\n".join(self.sensor.ask("config reload")[0]))
+        self.assertEqual(self.sensor.log().count(told), 2, self.sensor.log())
+        self.ends()
+        self.sensor.config.write_text(former + "pols_min = 4\n")
+        self.refuses(CONFIG, f"sensor.toml:{line + 1}:1: pan_fit.pols_min: unknown key")
+
     # The machine.
 
     def test_no_network(self):
