@@ -66,6 +66,9 @@ int run(Arguments arguments) {
     log.error(error_lines(config.error()));
     return exit_status(ExitReason::Config);
   }
+  for (const ConfigError& warning : config->current().warnings) {
+    log.warning(warning.text());
+  }
   auto daemon = Daemon::create(std::move(*config), arguments.source, log);
   if (!daemon) {
     log.error(daemon.error().message);

@@ -39,7 +39,8 @@ class Device {
   [[nodiscard]] virtual DeviceState state() const noexcept = 0;
 
   /// What stands in the way, for a person, while the state is not Ready ("no reply at 9600, 38400 or 19200
-  /// baud; check cable and power"); empty when nothing does. Valid until the next step().
+  /// baud; check cable and power"); empty when nothing does. After the step that left Ready it says why.
+  /// Valid until the next step().
   [[nodiscard]] virtual std::string_view problem() const noexcept = 0;
 
   /// Why the times of its samples cannot be relied on while it is Ready, for a person: what was seen, and

@@ -90,6 +90,7 @@ std::vector<ConfigChange> changes(const LoadedConfig& before, const LoadedConfig
 
 LoadedConfig with_live_changes(const LoadedConfig& running, const LoadedConfig& wanted) {
   LoadedConfig mixed = running;
+  mixed.warnings = wanted.warnings;
   for (std::size_t i = 0; i < settings().size(); ++i) {
     const Setting& setting = settings()[i];
     if (setting.apply != Apply::Live) {

@@ -28,8 +28,9 @@ struct ConfigChange {
 /// Every key that differs, in the order of settings(). Who set it does not count.
 [[nodiscard]] std::vector<ConfigChange> changes(const LoadedConfig& before, const LoadedConfig& after);
 
-/// `running` with those values of `wanted` that can change live, and their origins. Sections that may be
-/// absent are so afterwards where they are in `wanted` and live. Rules between keys are not checked.
+/// `running` with those values of `wanted` that can change live, their origins, and all of its warnings.
+/// Sections that may be absent are so afterwards where they are in `wanted` and live. Rules between keys are
+/// not checked.
 [[nodiscard]] LoadedConfig with_live_changes(const LoadedConfig& running, const LoadedConfig& wanted);
 
 /// Where a configuration comes from, each laid over the one before: the built-in defaults, a file with its

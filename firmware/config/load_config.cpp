@@ -229,6 +229,11 @@ void forget_lines(LoadedConfig& loaded, std::vector<ConfigError>& errors, std::s
   for (ConfigError& error : errors) {
     error.place.line = error.place.column = 0;
   }
+  for (ConfigError& warning : loaded.warnings) {
+    if (warning.place.file == name) {
+      warning.place.line = warning.place.column = 0;
+    }
+  }
 }
 
 }  // namespace

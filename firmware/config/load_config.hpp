@@ -28,7 +28,7 @@ struct Origin {
   friend bool operator==(const Origin&, const Origin&) = default;
 };
 
-/// One reason why a configuration is refused.
+/// One reason why a configuration is refused, or a remark on one that is accepted.
 struct ConfigError {
   Origin place;
   std::string key;          ///< full path; empty when the file itself is at fault
@@ -54,6 +54,7 @@ void append(std::vector<ConfigError>& errors, std::vector<ConfigError> more);
 struct LoadedConfig {
   Config config;
   std::vector<Origin> origins = std::vector<Origin>(settings().size());
+  std::vector<ConfigError> warnings{};  ///< a line for each retired setting that was written
 
   /// Who set the key `path` of the registry; the default for a path that is no key.
   [[nodiscard]] const Origin& origin(std::string_view path) const;
@@ -65,7 +66,8 @@ inline constexpr std::size_t kConfigErrorsMax = 100;
 /// Lays the keys of the TOML document `text` over `onto`, and notes `name` and line as their origin. Returns
 /// every mistake in the order of the lines: syntax, unknown section or key, wrong type, not finite, out of
 /// range, incomplete optional section. A key that is at fault keeps its former value; all others are in
-/// force. Does not compare keys with each other: check_config does, once all layers are on.
+/// force. A retired setting is no mistake: it is put into the warnings of `onto`. Does not compare keys with
+/// each other: check_config does, once all layers are on.
 [[nodiscard]] std::vector<ConfigError> apply_layer(LoadedConfig& onto, std::string_view text,
                                                    std::string_view name);
 

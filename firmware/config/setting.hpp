@@ -140,6 +140,14 @@ struct Section {
 [[nodiscard]] std::optional<std::size_t> find_setting(std::string_view path);
 [[nodiscard]] const Section* find_section(std::string_view name);
 
+/// Every key ("section.key") and every value of a key ("section.key = value") that a former version had and
+/// this one has not. They are named and have no effect, while any other key or value that is not allowed is a
+/// mistake.
+[[nodiscard]] std::span<const std::string_view> retired_settings();
+[[nodiscard]] bool is_retired(std::string_view setting);
+/// Whether some retired key stood in the section `name`.
+[[nodiscard]] bool is_retired_section(std::string_view name);
+
 /// Gives `to` the value that `from` has; nothing happens when its section is absent in `from`.
 void copy_setting(const Setting& setting, const Config& from, Config& to);
 

@@ -328,6 +328,8 @@ class Layer {
       const Section* const section = find_section(key.str());
       if (section != nullptr && node.is_table()) {
         apply_section(*section, *node.as_table());
+      } else if (section == nullptr && node.is_table() && is_retired_section(key.str())) {
+        apply_keys(key.str(), *node.as_table());
       } else if (section != nullptr) {
         refuse(node.source(), key.str(),
                "value " + written_text(node) + " stands where a section is expected; write [" +
@@ -343,9 +345,7 @@ class Layer {
 
   /// The mistakes, in the order of the lines.
   std::vector<ConfigError> take_errors() {
-    std::stable_sort(errors_.begin(), errors_.end(), [](const ConfigError& a, const ConfigError& b) {
-      return std::tie(a.place.line, a.place.column) < std::tie(b.place.line, b.place.column);
-    });
+    sort_by_place(errors_);
     if (errors_.size() > kConfigErrorsMax) {
       const std::size_t more = errors_.size() - kConfigErrorsMax;
       errors_.resize(kConfigErrorsMax);
@@ -355,24 +355,45 @@ class Layer {
     return std::move(errors_);
   }
 
+  /// A line for each retired key, in the order of the lines.
+  std::vector<ConfigError> take_warnings() {
+    sort_by_place(warnings_);
+    return std::move(warnings_);
+  }
+
  private:
+  static void sort_by_place(std::vector<ConfigError>& remarks) {
+    std::stable_sort(remarks.begin(), remarks.end(), [](const ConfigError& a, const ConfigError& b) {
+      return std::tie(a.place.line, a.place.column) < std::tie(b.place.line, b.place.column);
+    });
+  }
+
   void apply_section(const Section& section, const toml::table& table) {
-    for (const auto& [key, node] : table) {
-      const std::string path = std::string(section.name) + '.' + std::string(key.str());
-      if (const std::optional<std::size_t> index = find_setting(path)) {
-        apply_value(*index, node);
-      } else {
-        refuse_unknown(key.source(), path, false);
-      }
-    }
+    apply_keys(section.name, table);
     if (section.is_optional()) {
       require_all(section, table);
     }
   }
 
+  void apply_keys(std::string_view section, const toml::table& table) {
+    for (const auto& [key, node] : table) {
+      const std::string path = std::string(section) + '.' + std::string(key.str());
+      if (const std::optional<std::size_t> index = find_setting(path)) {
+        apply_value(*index, node);
+      } else if (is_retired(path)) {
+        warn(key.source(), path, "has no effect any more; remove it");
+      } else {
+        refuse_unknown(key.source(), path, false);
+      }
+    }
+  }
+
   void apply_value(std::size_t index, const toml::node& node) {
     const Setting& setting = settings()[index];
-    if (const std::optional<std::string> fault = store_value(setting, node, onto_.config)) {
+    const std::optional<std::string> fault = store_value(setting, node, onto_.config);
+    if (fault && is_retired(std::string(setting.path) + " = " + written_text(node))) {
+      warn(node.source(), setting.path, "value " + written_text(node) + " has no effect any more; remove it");
+    } else if (fault) {
       refuse(node.source(), setting.path,
              "value " + written_text(node) + ' ' + *fault + "; allowed: " + allowed_text(setting) + "; " +
                  advice(setting));
@@ -406,6 +427,10 @@ class Layer {
     errors_.back().is_unknown = true;
   }
 
+  void warn(const toml::source_region& place, std::string_view key, std::string message) {
+    warnings_.push_back({origin_at(place), std::string(key), std::move(message)});
+  }
+
   void refuse(const toml::source_region& place, std::string_view key, std::string message) {
     errors_.push_back({origin_at(place), printable(key), std::move(message)});
   }
@@ -417,6 +442,7 @@ class Layer {
   LoadedConfig& onto_;
   std::string name_;
   std::vector<ConfigError> errors_;
+  std::vector<ConfigError> warnings_;
   bool has_preset_ = false;  // this layer chooses a point laser
 };
 
@@ -450,6 +476,7 @@ std::vector<ConfigError> apply_layer(LoadedConfig& onto, std::string_view text, 
   }
   Layer layer(onto, name);
   layer.apply(*root);
+  append(onto.warnings, layer.take_warnings());
   return layer.take_errors();
 }
 

@@ -76,6 +76,7 @@ Json json_of_devices(const SensorStatus& status) {
     out[std::string(device.key)] = {{"state", to_string(device.status->state)},
                                     {"problem", device.status->problem.view()},
                                     {"model", device.status->model.view()},
+                                    {"last_loss", device.status->last_loss.view()},
                                     {"recoveries", device.status->recoveries},
                                     {"last_recovery_s", json_of(device.status->last_recovery)}};
   }
@@ -160,6 +161,9 @@ std::string device_text(const DeviceStatus& device) {
   if (device.recoveries > 0) {
     text += "; recovered " + std::to_string(device.recoveries) + " times, the last within " +
             milliseconds(device.last_recovery);
+  }
+  if (!device.last_loss.view().empty() && device.last_loss.view() != device.problem.view()) {
+    text += "; last lost: " + std::string(device.last_loss.view());
   }
   return text;
 }

@@ -233,7 +233,14 @@ void apply_config(ControlContext& context) {
 }
 
 ControlResult reload_config(ControlContext& context) {
-  return reconfigured(context, context.config.reload(), "configuration read again");
+  ControlResult result = reconfigured(context, context.config.reload(), "configuration read again");
+  if (result) {
+    for (const ConfigError& warning : context.config.current().warnings) {
+      context.log.warning(warning.text());
+      result->lines.push_back(warning.text());
+    }
+  }
+  return result;
 }
 
 namespace {

@@ -23,7 +23,7 @@ tl::expected<std::unique_ptr<InclinationLoop>, std::string> InclinationLoop::cre
 void InclinationLoop::step(hal::Stamp now) noexcept {
   hal::Inclinometer& device = *inclinometer_.device;
   device.step(now);
-  watch_.step(device.state(), now);
+  watch_.step(device.state(), device.problem(), now);
   const auto measured = device.take();
   if (!measured && now - posted_ < kReportPeriod) {
     return;

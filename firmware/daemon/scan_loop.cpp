@@ -79,8 +79,8 @@ void ScanLoop::step(hal::Stamp now, const PeriodicTimer& timer) noexcept {
   }
   head_.head().step(now);
   hand_on();
-  pan_tilt_watch_.step(head_.pan_tilt().state(), now);
-  rangefinder_watch_.step(head_.rangefinder().state(), now);
+  pan_tilt_watch_.step(head_.pan_tilt().state(), head_.pan_tilt().problem(), now);
+  rangefinder_watch_.step(head_.rangefinder().state(), head_.rangefinder().problem(), now);
   if (now - reported_ >= kReportPeriod) {
     reported_ = now;
     report(now, timer);

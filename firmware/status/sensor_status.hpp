@@ -61,6 +61,7 @@ using ProblemText = hal::FixedText<hal::kProblemMax>;
 struct DeviceStatus {
   hal::DeviceState state = hal::DeviceState::Absent;
   ProblemText problem;           ///< of the driver, its link or its timing, or its remark; empty for none
+  ProblemText last_loss;         ///< why it was Ready no more, the last time; empty before the first
   hal::FixedText<80> model;      ///< as the device said; empty before it did
   std::uint32_t recoveries = 0;  ///< times it got Ready again after it had been
   hal::Stamp last_recovery{};    ///< how long the last of them took, from the loss

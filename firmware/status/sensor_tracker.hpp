@@ -11,13 +11,16 @@
 
 namespace slamsensor::firmware {
 
-/// Follows the state of one device: how often it came back after a loss, and how long that took. Scan thread.
+/// Follows the state of one device: why it was lost, how often it came back after a loss, and how long that
+/// took. Scan thread.
 class DeviceWatch {
  public:
-  void step(hal::DeviceState state, hal::Stamp now) noexcept {
+  /// After each step of the device: its state, and its problem.
+  void step(hal::DeviceState state, std::string_view problem, hal::Stamp now) noexcept {
     const bool is_ready = state == hal::DeviceState::Ready;
     if (was_ready_ && !is_ready) {
       lost_ = now;
+      last_loss_ = ProblemText(problem);
     } else if (!was_ready_ && is_ready && has_been_ready_) {
       ++recoveries_;
       last_recovery_ = now - lost_;
@@ -34,6 +37,7 @@ class DeviceWatch {
       problem = problem.empty() ? more : problem;
     }
     status.problem = ProblemText(problem);
+    status.last_loss = last_loss_;
     status.recoveries = recoveries_;
     status.last_recovery = last_recovery_;
     status.counters.size = 0;
@@ -44,6 +48,7 @@ class DeviceWatch {
   bool was_ready_ = false;
   bool has_been_ready_ = false;
   hal::Stamp lost_{};
+  ProblemText last_loss_;
   std::uint32_t recoveries_ = 0;
   hal::Stamp last_recovery_{};
 };

@@ -151,18 +151,22 @@ void StatusLogger::compare_device(Device& before, const NamedDevice& device, std
   const std::string_view problem = now.problem.view();
   const std::string title(device.title);
   const bool is_ready = now.state == hal::DeviceState::Ready;
-  const bool was_ready = before.state == hal::DeviceState::Ready;
+  bool was_ready = before.state == hal::DeviceState::Ready;
+  if (was_ready && (!is_ready || now.recoveries != before.recoveries)) {  // it may have been back at once
+    entries.push_back({LogLevel::Warning, with_problem(title + " lost", now.last_loss.view())});
+    before.problem = now.last_loss.view();
+    was_ready = false;
+  }
   if (is_ready && !was_ready) {
     entries.push_back({LogLevel::Notice, before.was_ready
                                              ? title + " recovered after " + seconds(now.last_recovery)
                                              : title + " ready: " + std::string(now.model.view())});
-  } else if (!is_ready && was_ready) {
-    entries.push_back({LogLevel::Warning, with_problem(title + " lost", problem)});
   } else if (problem != before.problem && !problem.empty()) {
     entries.push_back({LogLevel::Warning, with_problem(title, problem)});
   }
   before.was_ready = before.was_ready || is_ready;
   before.state = now.state;
+  before.recoveries = now.recoveries;
   before.problem = problem;
 }
 

@@ -123,6 +123,7 @@ class StatusLogger {
   struct Device {
     hal::DeviceState state = hal::DeviceState::Absent;
     std::string problem;
+    std::uint32_t recoveries = 0;
     bool was_ready = false;  // ever
   };
 

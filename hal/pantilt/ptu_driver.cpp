@@ -19,6 +19,14 @@ constexpr std::string_view kEchoes =
     "are taken out of the replies";
 constexpr std::string_view kSentences =
     "pan-tilt unit: it answers in sentences although FT turned them off; they are read as they are";
+constexpr std::string_view kStartedAnew = "pan-tilt unit: it started anew by itself; check its power";
+constexpr std::string_view kNoAnswers =
+    "pan-tilt unit: command after command was lost or garbled; check its power and cable";
+constexpr std::string_view kAxisError =
+    "pan-tilt unit: it reports an axis error; check that both axes turn freely";
+constexpr std::string_view kRefusesPolls = "pan-tilt unit: it refuses the queries for its position";
+constexpr std::string_view kStrangePosition =
+    "pan-tilt unit: it is where no move of it ends; check its power, and that nothing else moves it";
 constexpr std::string_view kLineDown =
     "pan-tilt unit: its serial line is down; check the adapter and its cable";
 
@@ -42,6 +50,7 @@ PtuDriver::PtuDriver(const PtuConfig& config, ByteLink& link)
 }
 
 void PtuDriver::step(Stamp now) noexcept {
+  lost_because_ = {};
   if (!link_ready(now)) {
     return;
   }
@@ -61,6 +70,9 @@ std::string_view PtuDriver::problem() const noexcept {
   }
   if (state_ == DeviceState::Absent) {
     return link_.problem().empty() ? kLineDown : link_.problem();
+  }
+  if (!lost_because_.empty()) {
+    return lost_because_;
   }
   const bool is_of_line = state_ == DeviceState::Starting && trouble_ != PtuLineHealth::Trouble::None;
   return is_of_line ? trouble_text_.view() : startup_.problem();
@@ -120,7 +132,8 @@ void PtuDriver::forget() noexcept {
   feedback_due_ = false;
 }
 
-void PtuDriver::restart(Stamp now) noexcept {
+void PtuDriver::restart(Stamp now, std::string_view why) noexcept {
+  lost_because_ = why;
   counters_.count(PtuEvent::Restarts, begun_ ? 1 : 0);
   begun_ = true;
   forget();
@@ -154,7 +167,7 @@ void PtuDriver::get_ready(Stamp now) noexcept {
 
 void PtuDriver::step_ready(Stamp now, const PtuExchange::Notices& notices) noexcept {
   if (notices.banner) {
-    restart(now);
+    restart(now, kStartedAnew);
     startup_.begin_powered(now);
     return;
   }
@@ -164,7 +177,7 @@ void PtuDriver::step_ready(Stamp now, const PtuExchange::Notices& notices) noexc
     on_answer(*answer, now);
   }
   if (exchange_.lost()) {
-    restart(now);
+    restart(now, kNoAnswers);
   }
   if (state_ != DeviceState::Ready) {
     return;
@@ -235,7 +248,7 @@ void PtuDriver::on_answer(const PtuAnswer& answer, Stamp now) noexcept {
       part(answer.command.axis()).on_moved(answer, now);
       if (answer.axis_error) {
         startup_.want_reset();
-        restart(now);
+        restart(now, kAxisError);
       }
       break;
     case Job::Poll:
@@ -248,7 +261,7 @@ void PtuDriver::on_position(const PtuAnswer& answer, Stamp now) noexcept {
   const Axis axis = answer.command.axis();
   refused_polls_ = answer.outcome == PtuOutcome::Refused ? refused_polls_ + 1 : 0;
   if (refused_polls_ >= kRefusedPollsMax) {
-    restart(now);
+    restart(now, kRefusesPolls);
     return;
   }
   if (answer.outcome != PtuOutcome::Done) {
@@ -263,7 +276,7 @@ void PtuDriver::believe_pending(Stamp now) noexcept {
   const Pending pending = *pending_;
   pending_.reset();
   if (!part(pending.axis).on_sighting(pending.sighting, now)) {
-    restart(now);
+    restart(now, kStrangePosition);
   }
   const std::array ramps{pan_.ramp(), tilt_.ramp()};
   const std::uint64_t learnt = counters_[PtuEvent::ProfilesLearnt];

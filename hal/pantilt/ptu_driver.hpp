@@ -60,7 +60,7 @@ class PtuDriver final : public PanTilt {
 
   [[nodiscard]] bool link_ready(Stamp now) noexcept;
   void forget() noexcept;
-  void restart(Stamp now) noexcept;
+  void restart(Stamp now, std::string_view why = {}) noexcept;
   void step_starting(Stamp now, const PtuExchange::Notices& notices) noexcept;
   void get_ready(Stamp now) noexcept;
   void step_ready(Stamp now, const PtuExchange::Notices& notices) noexcept;
@@ -87,7 +87,8 @@ class PtuDriver final : public PanTilt {
   DeviceState state_ = DeviceState::Absent;
   std::uint32_t epoch_ = 0;
   bool begun_ = false;
-  Job job_ = Job::None;  // the command that is out
+  std::string_view lost_because_;  ///< in the step that left Ready; else empty
+  Job job_ = Job::None;            // the command that is out
   std::optional<Pending> pending_;
   std::uint32_t disturbances_ = 0;
   std::uint32_t refused_polls_ = 0;

@@ -14,6 +14,7 @@ constexpr Stamp kStopped = std::chrono::milliseconds(500);  // between two steps
 constexpr std::string_view kLinkDown = "the link is down; waiting for it to come back";
 constexpr std::string_view kStarting = "starting: asking the device what it is";
 constexpr std::string_view kNoReadings = "the device answers but sends no readings";
+constexpr std::string_view kSilence = "its readings have stopped; check its power and cable";
 constexpr std::string_view kOtherRate =
     "readings come at another rate than was set; another program or a restart may have changed it";
 
@@ -204,7 +205,7 @@ void Dialogue::expect(double rate_hz, Stamp silence) noexcept {
 void Dialogue::watch(Stamp now) noexcept {
   if (now - last_heard_ > silence_) {
     counters_.count(RangeEvent::StreamSilences);
-    problem_ = kNoReadings;
+    problem_ = kSilence;
     go_to(script_.resume_step(), now);
     return;
   }

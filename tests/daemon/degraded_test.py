@@ -9,10 +9,11 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import unittest
 
 import nmea
-from sensor import STOP_MAX_S, Sensor, wait_for
+from sensor import HERE, STOP_MAX_S, Sensor, wait_for
 
 PROGRAMS = sys.argv[1:3]
 # Succeeds where neither memory can be locked nor a priority taken.
@@ -115,6 +116,45 @@ class Degraded(unittest.TestCase):
         for device in status["devices"].values():
             self.assertGreaterEqual(device["recoveries"], 1)
         self.ends()
+
+    def test_a_short_loss_is_told_with_its_reason(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scenario = pathlib.Path(folder) / "short.toml"
+            world = (HERE / "../../config/worlds/park.toml").resolve()
+            scenario.write_text((HERE / "park.toml").read_text().replace("../../config/worlds/park.toml", str(world)) +
+                                '\n[[fault_rate]]\ndevice = "rangefinder"\nkind = "cable_out"\nrhythm = "regular"\n'
+                                "mean_gap_s = 6.0\nfrom_s = 6.0\nuntil_s = 13.0\nduration_s = 0.1\n")
+            self.sensor.scenario = scenario
+            self.sensor.start_head()
+            self.sensor.start()
+            status = self.sensor.wait_status(lambda s: s["devices"]["rangefinder"]["recoveries"] > 0, "a recovery")
+            self.assertRegex(status["devices"]["rangefinder"]["last_loss"], "serial port .*/finder: hung up")
+            wait_for(lambda: "rangefinder recovered" in self.sensor.log(), "the recovery to be told")
+            self.assertRegex(self.sensor.log(), "warning: rangefinder lost: serial port .*/finder: hung up")
+            self.assertRegex("\n".join(self.sensor.ask("devices")[0]), "last lost: serial port .*/finder: hung up")
+            self.ends()
+
+    # Configurations of a former version.
+
+    def test_keys_of_a_former_version_are_named_and_keep_nobody_from_starting(self):
+        former = self.sensor.config.read_text() + "\n[pan_fit]\npolls_min = 4\n"
+        line = former[:former.index("polls_min")].count("\n") + 1
+        told = f"sensor.toml:{line}:1: pan_fit.polls_min: has no effect any more; remove it"
+        self.sensor.config.write_text(former)
+        checked = subprocess.run([PROGRAMS[0], "check-config", self.sensor.config], capture_output=True, text=True)
+        self.assertEqual(checked.returncode, OK, checked.stderr)
+        self.assertEqual(checked.stderr.count(told), 1, checked.stderr)
+        self.assertIn("nmea.rate_hz", checked.stdout)
+        self.sensor.start_head()
+        self.sensor.start()
+        self.sensor.wait_fix()
+        self.assertRegex(self.sensor.log(), f" warning: .*{re.escape(told)}")
+        self.assertEqual(self.sensor.log().count(told), 1, self.sensor.log())
+        self.assertIn(told, "\n".join(self.sensor.ask("config reload")[0]))
+        self.assertEqual(self.sensor.log().count(told), 2, self.sensor.log())
+        self.ends()
+        self.sensor.config.write_text(former + "pols_min = 4\n")
+        self.refuses(CONFIG, f"sensor.toml:{line + 1}:1: pan_fit.pols_min: unknown key")
 
     # The machine.
 

@@ -47,10 +47,12 @@ tl::expected<void, CommandError> refuse_own_inputs(std::span<const std::filesyst
 
 tl::expected<firmware::LoadedConfig, CommandError> load(const ConfigOptions& options,
                                                         firmware::LoadedConfig base) {
-  return firmware::load_layers(options.sources(), std::move(base))
-      .map_error([](const std::vector<firmware::ConfigError>& errors) {
-        return CommandError{firmware::error_lines(errors), EX_CONFIG};
-      });
+  auto loaded = firmware::load_layers(options.sources(), std::move(base));
+  if (!loaded) {
+    return tl::unexpected(CommandError{firmware::error_lines(loaded.error()), EX_CONFIG});
+  }
+  std::fputs(firmware::error_lines(loaded->warnings).c_str(), stderr);
+  return std::move(*loaded);
 }
 
 void DriveOptions::add_to(CLI::App& verb) {

@@ -64,7 +64,8 @@ struct ConfigOptions {
 [[nodiscard]] tl::expected<void, CommandError> refuse_own_inputs(
     std::span<const std::filesystem::path> outputs, std::span<const std::filesystem::path> inputs);
 
-/// The options laid over `base`, or every mistake in it, one line each (EX_CONFIG).
+/// The options laid over `base`, or every mistake in it, one line each (EX_CONFIG). Keys that have no effect
+/// any more are named on standard error.
 [[nodiscard]] tl::expected<firmware::LoadedConfig, CommandError> load(const ConfigOptions& options,
                                                                       firmware::LoadedConfig base = {});
 

@@ -84,6 +84,7 @@ tl::expected<ReplaySettings, CommandError> recorded_settings(const RecordingFile
     errors.erase(unknown, errors.end());
     return tl::unexpected(CommandError{firmware::error_lines(errors), EX_DATAERR});
   }
+  firmware::append(errors, std::exchange(settings.loaded.warnings, {}));
   for (const firmware::ConfigError& error : errors) {
     settings.note += (settings.note.empty() ? "" : ", ") + error.key;
   }

@@ -75,6 +75,19 @@ TEST_F(Layers, LieOverEachOtherInOrder) {
   EXPECT_EQ(layered.current().origin("nmea.rate_hz").short_text(), "control socket");
 }
 
+TEST_F(Layers, AReloadNamesTheKeysWithoutEffectThatAreThereThen) {
+  folder.write("f.toml", "[ptu]\ndrain_s = 0.1\n");
+  LayeredConfig layered = load({{"nmea.tcp_clients_max", "3"}});
+  EXPECT_THAT(texts(layered.current().warnings),
+              ElementsAre(testing::EndsWith("f.toml:2:1: ptu.drain_s: has no effect any more; remove it"),
+                          "--set: nmea.tcp_clients_max: has no effect any more; remove it"));
+  folder.write("f.toml", "[ptu]\n\nwake_wait_s = 0.1\n");
+  ASSERT_TRUE(layered.reload());
+  EXPECT_THAT(texts(layered.current().warnings),
+              ElementsAre(testing::EndsWith("f.toml:3:1: ptu.wake_wait_s: has no effect any more; remove it"),
+                          HasSubstr("nmea.tcp_clients_max")));
+}
+
 TEST_F(Layers, ReportTheMistakesOfAllAtOnce) {
   folder.write("f.toml", "[nmea]\nrate_hz = 99.0\n");
   folder.write("f.toml.d/a.toml", "[nmea\n");

@@ -137,6 +137,36 @@ TEST(LoadConfig, ReportsEveryMistakeInTheOrderOfTheLines) {
               HasSubstr("f.toml:6:2: asociation: unknown section; did you mean association?"));
 }
 
+TEST(LoadConfig, KeysOfAFormerVersionAreNamedAndHaveNoEffect) {
+  const auto loaded = load_config_text(
+      "[pan_fit]\npolls_min = 4\n[ptu]\nwake_wait_s = \"x\"\ndrain_s = 0.1\n[nmea]\nrate_hz = 5.0\n",
+      "f.toml");
+  ASSERT_TRUE(loaded) << error_lines(loaded.error());
+  EXPECT_EQ(error_lines(loaded->warnings),
+            "f.toml:2:1: pan_fit.polls_min: has no effect any more; remove it\n"
+            "f.toml:4:1: ptu.wake_wait_s: has no effect any more; remove it\n"
+            "f.toml:5:1: ptu.drain_s: has no effect any more; remove it\n");
+  EXPECT_EQ(loaded->config.daemon.nmea_rate_hz, 5.0);
+}
+
+TEST(LoadConfig, AValueOfAFormerVersionIsNamedAndHasNoEffect) {
+  const auto loaded = load_config_text("[acceptance]\nrule = \"computed\"\n", "f.toml");
+  ASSERT_TRUE(loaded) << error_lines(loaded.error());
+  EXPECT_EQ(error_lines(loaded->warnings),
+            "f.toml:2:8: acceptance.rule: value \"computed\" has no effect any more; remove it\n");
+  EXPECT_EQ(loaded->config.core.acceptance.rule, Config{}.core.acceptance.rule);
+  EXPECT_FALSE(load_config_text("[acceptance]\nrule = \"computd\"\n", "f.toml"));
+}
+
+TEST(LoadConfig, AMisspeltKeyBesideOneOfAFormerVersionIsAMistake) {
+  const auto loaded =
+      load_config_text("[pan_fit]\npolls_min = 4\npols_min = 4\n[ptu]\ndrain = 1\n", "f.toml");
+  ASSERT_FALSE(loaded);
+  ASSERT_EQ(loaded.error().size(), 2U) << error_lines(loaded.error());
+  EXPECT_THAT(loaded.error()[0].text(), HasSubstr("f.toml:3:1: pan_fit.pols_min: unknown key"));
+  EXPECT_THAT(loaded.error()[1].text(), HasSubstr("f.toml:5:1: ptu.drain: unknown key"));
+}
+
 TEST(LoadConfig, AMistakeIsNotReportedTwice) {
   // The refused tilt_min leaves its default in force; the rule about both must not speak of a value nobody
   // wrote.

@@ -147,6 +147,22 @@ TEST(Settings, PathsAreUniqueDescribedAndOfAKnownSection) {
   }
 }
 
+TEST(Settings, ARetiredKeyIsNoSettingAndARetiredValueIsRefused) {
+  for (const std::string_view retired : retired_settings()) {
+    const std::string_view key = retired.substr(0, retired.find(' '));
+    EXPECT_EQ(find_setting(key).has_value(), key != retired) << retired;
+    LoadedConfig loaded;
+    const std::string line = key == retired ? std::string(retired) + " = 1\n" : std::string(retired) + '\n';
+    for (const ConfigError& error : apply_layer(loaded, line, "f.toml")) {
+      EXPECT_NE(error.key, key) << error.text();  // others of an optional section may be missing
+    }
+    EXPECT_EQ(loaded.warnings.size(), 1U) << retired;
+  }
+  EXPECT_TRUE(is_retired("ptu.drain_s"));
+  EXPECT_FALSE(is_retired("ptu.drain"));
+  EXPECT_FALSE(is_retired_section("pan"));
+}
+
 TEST(Settings, EveryDefaultPassesItsOwnRange) {
   const auto loaded = load_config_text(default_config_text(), "generated");
   ASSERT_TRUE(loaded) << error_lines(loaded.error());

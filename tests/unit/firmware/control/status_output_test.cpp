@@ -108,6 +108,16 @@ TEST(StatusText, IsForPeople) {
   EXPECT_THAT(lines, Contains("rangefinder:    absent: no reply at 9600 baud; check cable"));
 }
 
+TEST(StatusText, ADeviceSaysWhyItWasLostLast) {
+  SensorStatus status = fixed_status();
+  status.head.pan_tilt.last_loss = ProblemText("hung up");
+  status.head.rangefinder.last_loss = status.head.rangefinder.problem;
+  EXPECT_THAT(devices_text(status),
+              Contains(HasSubstr("recovered 2 times, the last within 350.00 ms; last lost: hung up")));
+  EXPECT_THAT(devices_text(status), Contains("rangefinder:    absent: no reply at 9600 baud; check cable"));
+  EXPECT_THAT(devices_json(status), HasSubstr(R"("last_loss":"hung up")"));
+}
+
 TEST(StatusText, MapSaysWhatWouldBeLost) {
   SensorStatus status = fixed_status();
   status.map_unsaved = true;

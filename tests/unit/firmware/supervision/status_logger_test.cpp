@@ -45,7 +45,7 @@ TEST_F(StatusLoggerTest, TheSameStatusSaysNothingTwice) {
 TEST_F(StatusLoggerTest, ADeviceIsLostAndRecoversOnceEach) {
   begin();
   status.head.rangefinder.state = hal::DeviceState::Absent;
-  status.head.rangefinder.problem = ProblemText("unplugged");
+  status.head.rangefinder.problem = status.head.rangefinder.last_loss = ProblemText("unplugged");
   EXPECT_THAT(said(), ElementsAre("warning rangefinder lost: unplugged"));
   EXPECT_THAT(said(), IsEmpty());
   status.head.rangefinder.state = hal::DeviceState::Starting;
@@ -56,6 +56,27 @@ TEST_F(StatusLoggerTest, ADeviceIsLostAndRecoversOnceEach) {
   status.head.rangefinder.problem = {};
   status.head.rangefinder.last_recovery = std::chrono::milliseconds(1250);
   EXPECT_THAT(said(), ElementsAre("notice rangefinder recovered after 1.2 s"));
+}
+
+TEST_F(StatusLoggerTest, AShortLossIsToldWithItsReason) {
+  begin();
+  status.head.rangefinder.state = hal::DeviceState::Starting;
+  status.head.rangefinder.last_loss = ProblemText("hung up");
+  status.head.rangefinder.problem = ProblemText("is being started up");
+  EXPECT_THAT(said(),
+              ElementsAre("warning rangefinder lost: hung up", "warning rangefinder: is being started up"));
+  status.head.rangefinder.state = hal::DeviceState::Ready;
+  status.head.rangefinder.problem = {};
+  status.head.rangefinder.recoveries = 1;
+  status.head.rangefinder.last_recovery = std::chrono::milliseconds(400);
+  EXPECT_THAT(said(), ElementsAre("notice rangefinder recovered after 0.4 s"));
+  // Lost and back between two looks.
+  status.head.rangefinder.last_loss = ProblemText("no reply");
+  status.head.rangefinder.recoveries = 2;
+  status.head.rangefinder.last_recovery = std::chrono::milliseconds(100);
+  EXPECT_THAT(said(),
+              ElementsAre("warning rangefinder lost: no reply", "notice rangefinder recovered after 0.1 s"));
+  EXPECT_THAT(said(), IsEmpty());
 }
 
 TEST_F(StatusLoggerTest, AFixIsFoundLostAndFoundAgain) {

@@ -118,6 +118,7 @@ TEST_F(PtuMotion, AnAxisErrorLeadsToAReset) {
   bench.unit.mishaps.push_back({"PP300", [](std::string) { return "! Axis Error\r\n"; }, {}});
   EXPECT_EQ(bench.driver->move(Axis::Pan, bench.rad(300), bench.rad(1000)), MoveStatus::Accepted);
   ASSERT_TRUE(bench.run(seconds(1), [&] { return bench.driver->state() == DeviceState::Starting; }));
+  EXPECT_THAT(std::string(bench.driver->problem()), testing::HasSubstr("axis error"));
   ASSERT_TRUE(bench.run_until_ready());
   EXPECT_EQ(bench.unit.count("R"), 1);
 }

@@ -181,6 +181,7 @@ TEST_F(PtuFaults, APowerCycleWithItsBannerStartsOver) {
   bench.sweep(Axis::Pan, 1000, 1000);
   bench.unit.power_cycle(bench.now, seconds(20));
   ASSERT_TRUE(bench.run(seconds(1), [&] { return bench.driver->state() == DeviceState::Starting; }));
+  EXPECT_THAT(std::string(bench.driver->problem()), testing::HasSubstr("started anew by itself"));
   EXPECT_EQ(bench.driver->axis(Axis::Pan).polled, Stamp{});
   bench.run(seconds(10));
   EXPECT_EQ(bench.driver->state(), DeviceState::Starting);
@@ -193,7 +194,8 @@ TEST_F(PtuFaults, APowerCycleWithoutABannerIsNoticedByThePosition) {
   bench.sweep(Axis::Pan, 1000, 1000);
   bench.unit.place('P', 0);
   static_cast<void>(bench.take());
-  bench.run(seconds(2));
+  ASSERT_TRUE(bench.run(seconds(2), [&] { return bench.driver->state() == DeviceState::Starting; }));
+  EXPECT_THAT(std::string(bench.driver->problem()), testing::HasSubstr("where no move of it ends"));
   for (const hal::AxisSample& sample : bench.take()) {
     EXPECT_TRUE(sample.axis == Axis::Tilt || sample.position_rad > bench.rad(999));
   }
@@ -217,6 +219,7 @@ TEST(PtuFault, APowerCycleBackToTheDefaultRateIsFoundAgain) {
 TEST_F(PtuFaults, ASilentUnitLeadsToANewStartup) {
   bench.unit.mute_until = bench.now + seconds(6);
   ASSERT_TRUE(bench.run(seconds(5), [&] { return bench.driver->state() == DeviceState::Starting; }));
+  EXPECT_THAT(std::string(bench.driver->problem()), testing::HasSubstr("command after command was lost"));
   ASSERT_TRUE(bench.run_until_ready(seconds(30)));
   EXPECT_EQ(bench.counter("restarts"), 1U);
 }
