@@ -306,11 +306,12 @@ class Cli(unittest.TestCase):
             code, output, errors = run("locate", "--map", m, "--scans", s, "--out", poses, *more)
             self.assertEqual(code, OK, errors)
             header, row = poses.read_text().split()
-            self.assertEqual(header, "scan,status,x_m,y_m,heading_rad,matches,expected_false_alarms,milliseconds")
+            self.assertEqual(header, "scan,status,reason,x_m,y_m,heading_rad,protection_radius_m,matches,expected_false_alarms,milliseconds")
             cells = row.split(",")
-            self.assertEqual(cells[:2], ["5", "fix"], more)
-            self.assertAlmostEqual(float(cells[4]), math.pi / 2, places=6)
-            self.assertEqual(cells[5], "12")
+            self.assertEqual(cells[:3], ["5", "fix", "none"], more)
+            self.assertAlmostEqual(float(cells[5]), math.pi / 2, places=6)
+            self.assertTrue(0.0 < float(cells[6]) < 1.0, cells)
+            self.assertEqual(cells[7], "12")
         self.assertEqual(run("locate", "--map", m, "--scans", s, "--out", poses, "--search", "exact")[0], USAGE)
 
     def agree(self, paper, fast, columns, within, apart=0):

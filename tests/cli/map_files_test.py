@@ -312,7 +312,7 @@ class MapFiles(unittest.TestCase):
             scan = self.write("scan.csv", "scan,x_m,y_m,diameter_m\n" + "".join(f"{plot},{x},{y},{d}\n" for x, y, d in trees))
             pose = self.located(survey, scan, "--config", CONFIG / "rioja_plots.toml")[0]
             if pose["status"] != "fix":
-                print(f"rioja plot {plot:2}: {pose['status']}, {pose['matches']} of {len(trees)} trees")
+                print(f"rioja plot {plot:2}: {pose['status']} ({pose['reason']}), {pose['matches']} of {len(trees)} trees")
                 continue
             fixes += 1
             x, y, heading = (float(pose[name]) for name in ("x_m", "y_m", "heading_rad"))
@@ -324,7 +324,7 @@ class MapFiles(unittest.TestCase):
                 apart.append(min(math.hypot(sx - px, sy - py) for number, sx, sy in surveyed if number == plot))
             paired = [d for d in apart if d < 0.6]
             rms_m = math.sqrt(sum(d * d for d in paired) / len(paired))
-            print(f"rioja plot {plot:2}: fix, {pose['matches']} of {len(trees)} trees, {rms_m:.3f} m from the survey's (RMS), a pose from them "
+            print(f"rioja plot {plot:2}: fix, reason {pose['reason']}, protection radius {pose['protection_radius_m']} m, {pose['matches']} of {len(trees)} trees, {rms_m:.3f} m from the survey's (RMS), a pose from them "
                   f"is good to {rms_m / math.sqrt(len(paired)):.3f} m; the scan's frame lies {math.hypot(x, y):.2f} m and "
                   f"{math.degrees(heading):.2f} deg from the survey's")
             self.assertLess(rms_m, 0.35, pose)

@@ -51,18 +51,22 @@ core::Deadline deadline_from(std::chrono::steady_clock::time_point begin, const 
 }
 
 std::string poses_csv(const std::vector<Query>& queries) {
-  std::string csv = "scan,status,x_m,y_m,heading_rad,matches,expected_false_alarms,milliseconds\n";
+  std::string csv =
+      "scan,status,reason,x_m,y_m,heading_rad,protection_radius_m,matches,expected_false_alarms,"
+      "milliseconds\n";
   std::array<char, 256> line{};
   for (const Query& q : queries) {
     const std::string_view status = core::to_string(q.fix.status);
-    std::snprintf(line.data(), line.size(), "%lld,%.*s,", static_cast<long long>(q.scan),
-                  static_cast<int>(status.size()), status.data());
+    const std::string_view reason = core::to_string(q.fix.reason);
+    std::snprintf(line.data(), line.size(), "%lld,%.*s,%.*s,", static_cast<long long>(q.scan),
+                  static_cast<int>(status.size()), status.data(), static_cast<int>(reason.size()),
+                  reason.data());
     csv += line.data();
     if (q.fix.status == core::FixStatus::NoFix) {
-      csv += ",,";
+      csv += ",,,";
     } else {
-      std::snprintf(line.data(), line.size(), "%.6f,%.6f,%.9f", q.fix.pose_W.x_m, q.fix.pose_W.y_m,
-                    q.fix.pose_W.heading_rad);
+      std::snprintf(line.data(), line.size(), "%.6f,%.6f,%.9f,%.3f", q.fix.pose_W.x_m, q.fix.pose_W.y_m,
+                    q.fix.pose_W.heading_rad, q.fix.protection_radius_m);
       csv += line.data();
     }
     std::snprintf(line.data(), line.size(), ",%u,%.3g,%.4f\n", q.fix.matches, q.fix.expected_false_alarms,

@@ -1,17 +1,21 @@
-/* Prints every pose of a SLAM sensor, from LCM:
+/* Prints every pose of a SLAM sensor, from LCM. In a folder with it and
+ * firmware/lcm/types/slamsensor_pose_t.lcm, with gcc, liblcm-bin, liblcm-dev, libglib2.0-dev and pkgconf from
+ * Debian:
  *
  *   lcm-gen --c slamsensor_pose_t.lcm
  *   gcc -I. read_pose.c slamsensor_pose_t.c -o read_pose $(pkg-config --cflags --libs lcm) -lm
  *
- * A line per pose: seconds since 1970, status, x (m), y (m), heading (degrees, counter-clockwise from the map's x
- * axis), number of the map, protection radius (m); those only where there is a fix, or the better of two places. */
+ * A line per pose: seconds since 1970, status, x (m), y (m), heading (degrees, counter-clockwise from the
+ * map's x axis), number of the map, protection radius (m); those only where there is a fix, or the better of
+ * two places. */
+#include "slamsensor_pose_t.h"
+
 #include <lcm/lcm.h>
 #include <math.h>
 #include <stdio.h>
 
-#include "slamsensor_pose_t.h"
-
-static void on_pose(const lcm_recv_buf_t* buffer, const char* channel, const slamsensor_pose_t* pose, void* user) {
+static void on_pose(const lcm_recv_buf_t* buffer, const char* channel, const slamsensor_pose_t* pose,
+                    void* user) {
   static const char* const kStatus[] = {"no_fix", "ambiguous", "fix"};
   (void)buffer;
   (void)channel;

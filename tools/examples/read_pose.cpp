@@ -1,4 +1,6 @@
-// Prints every pose of a SLAM sensor, from LCM:
+// Prints every pose of a SLAM sensor, from LCM. In a folder with it and
+// firmware/lcm/types/slamsensor_pose_t.lcm, with g++, liblcm-bin, liblcm-dev, libglib2.0-dev and pkgconf from
+// Debian:
 //
 //   lcm-gen --cpp --cpp-std c++11 --cpp-hpath . slamsensor_pose_t.lcm
 //   g++ -I. read_pose.cpp -o read_pose $(pkg-config --cflags --libs lcm)

@@ -157,6 +157,8 @@ Limits round_limits(double low, double high) {
   limits.step = round_step_up((limits.high - limits.low) / kTicksWanted);
   limits.low = limits.step * std::floor(limits.low / limits.step + kSlack);
   limits.high = limits.step * std::ceil(limits.high / limits.step - kSlack);
+  // A curve along the upper edge cannot be seen.
+  if (limits.high - high < kSlack * limits.step) limits.high += limits.step;
   return limits;
 }
 

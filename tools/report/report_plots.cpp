@@ -90,7 +90,7 @@ ReportPlot matches_plot(const std::vector<ReportRow>& rows) {
 ReportPlot time_plot(const std::vector<ReportRow>& rows) {
   CurvePlot plot = plot_of("Time of each scan", "scan", "ms");
   plot.y_scale = AxisScale::Logarithmic;
-  CurveSeries times{"", {}, CurveStyle::Line};
+  CurveSeries times{"", {}, CurveStyle::Markers};
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].milliseconds) {
       times.points.emplace_back(static_cast<double>(i), *rows[i].milliseconds);

@@ -20,7 +20,8 @@ namespace {
 
 constexpr double kSide_px = 640.0;
 constexpr double kMargin_px = 14.0;
-constexpr double kLegend_px = 40.0;
+constexpr double kLegend_px = 44.0;  // two rows
+constexpr double kLegendRow_px = 19.0;
 constexpr std::uint32_t kOccupiedMax = 2'000'000;  // cells: no scan is left out of its picture
 
 /// An occupied cell of the spiderweb.
@@ -118,7 +119,7 @@ void draw_rings(SvgWriter& svg, const FromAbove& place, double reach_m) {
 void write_rings(SvgWriter& svg, const FromAbove& place, double reach_m) {
   const double step_m = round_step_up(reach_m / 4.0);
   for (const double ring_m : linear_ticks(step_m, reach_m, step_m)) {
-    svg.text(place.polar_px(ring_m, 0.0) + core::Point2(4.0, -3.0), tick_text(ring_m, step_m) + " m",
+    svg.text(place.polar_px(ring_m, 0.0) + core::Point2(4.0, 13.0), tick_text(ring_m, step_m) + " m",
              "fill=\"#555555\" paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\"");
   }
 }
@@ -154,19 +155,20 @@ std::string count_text(XiClass xi_class) {
 
 void draw_counts(SvgWriter& svg, const core::Point2& corner_px, const std::vector<XiClass>& classes) {
   core::Point2 at = corner_px;
-  const auto put = [&](const std::string& words) {
-    svg.text(at + core::Point2(0.0, 12.0), words, "fill=\"#1a1a1a\"");
-    at.x() += text_width_px(words, 11.0) + 10.0;
+  // A sign of `sign_px` and what it means; a row that is full is followed by another.
+  const auto put = [&](const std::string& words, double sign_px) {
+    const double width_px = sign_px + text_width_px(words, 11.0);
+    if (at.x() + width_px > corner_px.x() + kSide_px) at = {corner_px.x(), at.y() + kLegendRow_px};
+    svg.text(at + core::Point2(sign_px, 12.0), words, "fill=\"#1a1a1a\"");
+    at.x() += width_px + 10.0;
+    return core::Point2(at.x() - width_px - 10.0, at.y());
   };
-  put("scanlines:");
+  put("scanlines:", 0.0);
   for (const XiClass& xi_class : classes) {
-    svg.rect({at.x(), at.y() + 2.0, at.x() + 12.0, at.y() + 14.0}, "fill=\"" + xi_class.colour + '"');
-    at.x() += 16.0;
-    put(count_text(xi_class));
+    const core::Point2 sign = put(count_text(xi_class), 16.0);
+    svg.rect({sign.x(), sign.y() + 2.0, sign.x() + 12.0, sign.y() + 14.0}, "fill=\"" + xi_class.colour + '"');
   }
-  svg.circle(at + core::Point2(6.0, 8.0), 5.5, stroke(kTruthColour, 1.6));
-  at.x() += 18.0;
-  put("landmark");
+  svg.circle(put("landmark", 18.0) + core::Point2(6.0, 8.0), 5.5, stroke(kTruthColour, 1.6));
 }
 
 }  // namespace

@@ -264,8 +264,9 @@ function fit() {
   if (pose) take(pose.x, pose.y);
   const map = $("map");
   if (!(x1 >= x0)) [x0, x1, y0, y1] = [-10, 10, -10, 10];
-  // Between the buttons above and the legend below.
-  const [top, bottom] = [$("map-tools").offsetTop + $("map-tools").offsetHeight + 14, map.clientHeight - $("legend").offsetTop + 24];
+  // Between the buttons above and the legend below, over which a local map has a line of words.
+  const words = frame === "home" ? 0 : 40;
+  const [top, bottom] = [$("map-tools").offsetTop + $("map-tools").offsetHeight + 14, map.clientHeight - $("legend").offsetTop + 24 + words];
   const [width, height] = [map.clientWidth - 48, Math.max(80, map.clientHeight - top - bottom)];
   view.scale = Math.min(width / Math.max(4, x1 - x0), height / Math.max(4, y1 - y0), 200);
   view.x = (x0 + x1) / 2;

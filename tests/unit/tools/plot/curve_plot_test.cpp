@@ -51,6 +51,10 @@ TEST(CurvePlot, LinearAxisBeginsAtZeroUnlessValuesAreFarFromIt) {
   EXPECT_LE(frame_curve(chart({{0, -4}, {1, 3}}), {0, 0}).low.y(), -4.0);
 }
 
+TEST(CurvePlot, TheHighestValueIsBelowTheUpperEdge) {
+  EXPECT_GT(frame_curve(chart({{0, 0}, {1, 60}}), {0, 0}).high.y(), 60.0);
+}
+
 TEST(CurvePlot, PointsThatCannotBeDrawnBreakTheLine) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::string svg =

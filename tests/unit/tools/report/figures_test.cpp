@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -49,6 +50,23 @@ TEST(ScanFigures, TheSpiderwebShowsEachPostAsALandmark) {
   EXPECT_EQ(xml_fault(svg), "");
   EXPECT_NE(svg.find("the 5 heaviest groups are landmarks"), std::string::npos) << svg.substr(0, 2000);
   EXPECT_EQ(count_of(svg, "r=\"5.5"), 5U + 1U) << "five circles and that of the legend";
+}
+
+TEST(ScanFigures, ALegendThatIsTooLongForOneRowGoesOnInAnother) {
+  Scanlines many;
+  for (int i = 0; i < 5; ++i) {
+    for (const std::vector<core::Reading>& line : posts_seen(kPosts)) many.push_back(line);
+  }
+  const std::string svg = draw_spiderweb(many, core::DetectionConfig(), "many scanlines");
+  const auto place_of = [&](std::string_view word) {
+    const std::size_t begin = svg.rfind("<text", svg.find(word));
+    double x = 0.0;
+    double y = 0.0;
+    EXPECT_EQ(std::sscanf(svg.c_str() + begin, "<text x=\"%lf\" y=\"%lf\"", &x, &y), 2) << word;
+    return core::Point2(x, y);
+  };
+  EXPECT_LT(place_of(">landmark<").x(), 600.0);
+  EXPECT_GT(place_of(">landmark<").y(), place_of(">scanlines:<").y() + 10.0);
 }
 
 TEST(ScanFigures, AScanlineShowsItsClustersTheOtherReturnsAndWhatHasNone) {
