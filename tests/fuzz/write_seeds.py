@@ -131,7 +131,6 @@ SEEDS = {
         "free": b"\x01" + b"12.3\r\n99.9\r\n",
         "hex": b"\x02" + b"00001384\r\n" * 3,
         "packed": b"\x03" + wire("895289528952"),
-        "pair": b"\x04" + wire("04D204D204D2"),
     },
     "ptu_reply": {
         "terse": b"* 22\r\n* -2500\r\n!P!T* 185.1428\r\n",

@@ -35,9 +35,8 @@ constexpr auto kClock = &RangeConfig::clock;
 
 constexpr std::string_view kPresets[] = {"astech_lds70a", "mdl_laserace_im_hr", "custom"};
 constexpr std::string_view kSearches[] = {"this_baud", "usual_bauds"};
-constexpr std::string_view kRecords[] = {"ascii_decimal", "ascii_hex", "packed7", "pair"};
+constexpr std::string_view kRecords[] = {"ascii_decimal", "ascii_hex", "packed7"};
 constexpr std::string_view kPrefixes[] = {"required", "optional"};
-constexpr std::string_view kOrders[] = {"big_endian", "little_endian"};
 constexpr auto kLaser = &HeadConfig::point_laser;
 using Texts = std::vector<std::string>;
 constexpr Access<Texts> kCodes = {
@@ -140,7 +139,7 @@ constexpr Setting kSettings[] = {
      choice<kHead, kLaser, &PointLaserConfig::range, kClock, &SampleClockConfig::timing>(kClockTimings)},
     {"point_laser.resolution_m", "m", "Smallest step of a distance.",
      real<kHead, kLaser, &PointLaserConfig::resolution_m>(0.0, 100.0)},
-    {"point_laser.record", "", "How a reading is written: decimal or hexadecimal text, 7 bits a byte, or two bytes without a frame.",
+    {"point_laser.record", "", "How a reading is written: decimal or hexadecimal text, or 7 bits a byte.",
      choice<kHead, kLaser, &PointLaserConfig::record>(kRecords)},
     {"point_laser.unit_m", "m", "Distance = number * unit_m + offset_m.",
      real<kHead, kLaser, &PointLaserConfig::unit_m>(1e-9, 1000.0)},
@@ -164,8 +163,6 @@ constexpr Setting kSettings[] = {
      FreeTextSetting{kStrengthSeparator, &kSeparator}},
     {"point_laser.packed_bytes", "", "Bytes of a packed7 record.",
      integer<kHead, kLaser, &PointLaserConfig::packed_bytes>(2, 3)},
-    {"point_laser.byte_order", "", "Of a pair.",
-     choice<kHead, kLaser, &PointLaserConfig::order>(kOrders)},
     {"point_laser.stop", "", "Command that stops the device, with its end of line; empty: none.",
      free_text<kHead, kLaser, &PointLaserConfig::stop>(kCommand)},
     {"point_laser.set_up", "", "Commands sent between stop and start.",
