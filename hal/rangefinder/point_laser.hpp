@@ -17,13 +17,7 @@ enum class PointRecord : std::uint8_t {
   AsciiDecimal,  ///< [prefix][sign]digits[.digits][separator strength]terminator
   AsciiHex,      ///< [prefix]hexadecimal digits, terminator
   Packed7,       ///< 7 bits a byte, high bits first; the top bit marks the first byte
-  /// Two bytes and no frame. Where a reading begins is a guess from plausible and steady values: after a
-  /// lost byte false distances can come through until one is implausible. Use another layout where there is
-  /// one.
-  Pair,
 };
-
-enum class ByteOrder : std::uint8_t { BigEndian, LittleEndian };
 
 /// A number, as its digits without the point or its bits, that is no distance.
 struct PointCode {
@@ -43,7 +37,6 @@ struct PointLaserConfig {
   /// Whether the layout was found in a manual; if not, problem() says so.
   enum class Layout : std::uint8_t { FromManual, Unverified } layout = Layout::FromManual;
   RangeConfig range;
-  double resolution_m = 0.001;
   double rate_hz = 1000.0;
   std::uint32_t baud = 115200;
   enum class Search : std::uint8_t { ThisBaud, UsualBauds } search = Search::ThisBaud;
@@ -66,8 +59,7 @@ struct PointLaserConfig {
   char strength_separator = '\0';  ///< what stands between distance and strength; '\0': no strength
 
   // Binary.
-  std::size_t packed_bytes = 2;            ///< of a Packed7 record: 2 or 3
-  ByteOrder order = ByteOrder::BigEndian;  ///< of a Pair
+  std::size_t packed_bytes = 2;  ///< of a Packed7 record: 2 or 3
 
   // Start and stop; every command with its end of line.
   std::string stop;

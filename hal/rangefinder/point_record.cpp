@@ -1,12 +1,11 @@
 #include "hal/rangefinder/point_record.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace slamsensor::hal {
 namespace {
 
-constexpr unsigned kStreakMost = 1000;
+constexpr unsigned kStreakNeeded = 2;  // sound records in a row before one counts
 
 }  // namespace
 
@@ -25,7 +24,7 @@ bool PointRecords::push(std::uint8_t byte) noexcept {
     case Outcome::Nothing:
       return false;
     case Outcome::Unsound:
-      if (streak_ >= streak_needed()) {
+      if (streak_ >= kStreakNeeded) {
         counters_.count(RangeEvent::LocksLost);
       }
       streak_ = 0;
@@ -33,8 +32,8 @@ bool PointRecords::push(std::uint8_t byte) noexcept {
     case Outcome::Sound:
       break;
   }
-  streak_ = std::min(streak_ + 1, kStreakMost);
-  if (streak_ < streak_needed()) {
+  streak_ = std::min(streak_ + 1, kStreakNeeded);
+  if (streak_ < kStreakNeeded) {
     counters_.count(RangeEvent::ReadingsWithheld);
     return false;
   }
@@ -66,11 +65,6 @@ Measurement PointRecords::measured(std::int64_t number, double scale) const noex
   // What the device itself calls nothing must not become something by the offset.
   out.echo = number > 0 ? Echo::Return : Echo::None;
   return out;
-}
-
-bool PointRecords::is_plausible(std::int64_t number) const noexcept {
-  const Measurement raw = measured(number, 1.0);
-  return raw.echo != Echo::Return || (raw.range_m > 0.0 && raw.range_m <= range_.range_max_m);
 }
 
 namespace {
@@ -323,103 +317,11 @@ class Packed7Records final : public PointRecords {
   std::int64_t number_ = 0;
 };
 
-/// Pairs of bytes without a frame: of the two ways to read them, the one that is plausible throughout and
-/// steadier by far.
-class PairRecords final : public PointRecords {
- public:
-  PairRecords(const PointLaserConfig& config, RangeCounters& counters)
-      : PointRecords(config, counters), order_(config.order) {}
-
- private:
-  Outcome take(std::uint8_t byte) noexcept override {
-    bytes_[size_++] = byte;
-    if (!is_aligned_) {
-      return align();
-    }
-    if (size_ < 2) {
-      return Outcome::Nothing;
-    }
-    const std::int64_t number = number_at(0);
-    if (!is_plausible(number)) {
-      is_aligned_ = false;
-      counters_.count(RangeEvent::RecordsRefused);
-      return Outcome::Unsound;  // the two bytes are the first of the new search
-    }
-    size_ = 0;
-    accept(measured(number, 1.0), Strength::Unknown, 2, 0);
-    return Outcome::Sound;
-  }
-
-  bool forget() noexcept override {
-    const bool had_any = size_ > 0;
-    size_ = 0;
-    is_aligned_ = is_aligned_ && !had_any;
-    return had_any;
-  }
-
-  struct Way {
-    bool is_plausible = true;
-    std::int64_t variation = 0;
-  };
-
-  [[nodiscard]] std::int64_t number_at(std::size_t at) const noexcept {
-    const bool is_big = order_ == ByteOrder::BigEndian;
-    return bytes_[at + (is_big ? 0 : 1)] << 8 | bytes_[at + (is_big ? 1 : 0)];
-  }
-
-  [[nodiscard]] Way look(std::size_t from) const noexcept {
-    Way way;
-    for (std::size_t at = from; at + 1 < from + 2 * kPairs; at += 2) {
-      way.is_plausible = way.is_plausible && is_plausible(number_at(at));
-      way.variation += at > from ? std::abs(number_at(at) - number_at(at - 2)) : 0;
-    }
-    return way;
-  }
-
-  Outcome align() noexcept {
-    if (size_ < bytes_.size()) {
-      return Outcome::Nothing;
-    }
-    const std::array ways = {look(0), look(1)};
-    for (std::size_t i = 0; i < ways.size(); ++i) {
-      const Way& other = ways[1 - i];
-      if (ways[i].is_plausible && (!other.is_plausible || kSteadier * ways[i].variation < other.variation)) {
-        counters_.count(RangeEvent::ReadingsWithheld, kPairs);
-        is_aligned_ = true;
-        drop(i + 2 * kPairs);
-        return Outcome::Unsound;  // a new run begins
-      }
-    }
-    counters_.count(RangeEvent::BytesSkipped, 2);
-    drop(2);
-    return Outcome::Nothing;
-  }
-
-  void drop(std::size_t count) noexcept {
-    std::copy(bytes_.begin() + static_cast<std::ptrdiff_t>(count),
-              bytes_.begin() + static_cast<std::ptrdiff_t>(size_), bytes_.begin());
-    size_ -= count;
-  }
-
-  static constexpr std::size_t kPairs = 32;
-  static constexpr std::int64_t kSteadier = 8;
-  ByteOrder order_;
-  std::array<std::uint8_t, 2 * kPairs + 1> bytes_{};
-  std::size_t size_ = 0;
-  bool is_aligned_ = false;
-};
-
 }  // namespace
 
 std::unique_ptr<PointRecords> make_point_records(const PointLaserConfig& config, RangeCounters& counters) {
-  switch (config.record) {
-    case PointRecord::Packed7:
-      return std::make_unique<Packed7Records>(config, counters);
-    case PointRecord::Pair:
-      return std::make_unique<PairRecords>(config, counters);
-    case PointRecord::AsciiDecimal:
-    case PointRecord::AsciiHex:
-      break;
+  if (config.record == PointRecord::Packed7) {
+    return std::make_unique<Packed7Records>(config, counters);
   }
   return std::make_unique<AsciiRecords>(config, counters);
 }

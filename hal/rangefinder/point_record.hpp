@@ -46,14 +46,10 @@ class PointRecords {
   [[nodiscard]] virtual Outcome take(std::uint8_t byte) noexcept = 0;
   /// Forgets what is under way; whether there was something.
   virtual bool forget() noexcept = 0;
-  /// Records that must be sound in a row before one counts.
-  [[nodiscard]] virtual unsigned streak_needed() const noexcept { return 2; }
 
   void accept(const Measurement& raw, Strength strength, std::size_t bytes, std::size_t bytes_after) noexcept;
   /// `number` as a distance or the code that it is.
   [[nodiscard]] Measurement measured(std::int64_t number, double scale) const noexcept;
-  /// Whether `number` can come from this device: a code, or a distance within its range.
-  [[nodiscard]] bool is_plausible(std::int64_t number) const noexcept;
 
   RangeCounters& counters_;
 

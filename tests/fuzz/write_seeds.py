@@ -131,7 +131,6 @@ SEEDS = {
         "free": b"\x01" + b"12.3\r\n99.9\r\n",
         "hex": b"\x02" + b"00001384\r\n" * 3,
         "packed": b"\x03" + wire("895289528952"),
-        "pair": b"\x04" + wire("04D204D204D2"),
     },
     "ptu_reply": {
         "terse": b"* 22\r\n* -2500\r\n!P!T* 185.1428\r\n",
@@ -180,7 +179,7 @@ SEEDS = {
         "settings": b"\x00" + wire("5A04015F" + "5A0603E8034E" + "5A05050165" + "5A08060010" "0E0086"),
     },
     "emulator_point": {
-        "lds70a": b"ID\rMF2000\rSD 0 1\rSD 2 3\rBR921600\rDT\rDM\rXX\r",
+        "lds70a": b"SD 0 1\rSD 2 3\rDT\rXX\r",
     },
     "emulator_sdo": {
         "numbers": wire("4000200000000000" + "2300200012345678" + "8000200000000206"),
@@ -214,7 +213,7 @@ SEEDS = {
         "full": b"weight,scan,y_m,diameter_m,x_m\n0.5,7,1,0.3,2\n0.5,7,-1,0.4,2\n",
         "bad": b"scan,x_m,y_m\n1.5,0,0\n",
     },
-    "map_file": {"golden": write_golden.golden(), "version2": write_golden.golden(version=2)},
+    "map_file": {"golden": write_golden.golden()},
     "map_csv": {
         "plain": b"id,x_m,y_m\n1,0,0\n2,10.5,-3\n",
         "more": b"y_m,xi,id,x_m\n1,0,9,2\n",

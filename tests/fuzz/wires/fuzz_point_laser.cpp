@@ -13,11 +13,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) {
     return 0;
   }
-  std::array<PointLaserConfig, 5> configs = {astech_lds70a(), mdl_laserace_im_hr_unverified(),
-                                             astech_lds70a(), astech_lds70a(), astech_lds70a()};
+  std::array<PointLaserConfig, 4> configs = {astech_lds70a(), mdl_laserace_im_hr_unverified(),
+                                             astech_lds70a(), astech_lds70a()};
   configs[2].record = PointRecord::AsciiHex;
   configs[3].record = PointRecord::Packed7;
-  configs[4].record = PointRecord::Pair;
   const PointLaserConfig& config = configs[data[0] % configs.size()];
   RangeCounters counters;
   const auto records = make_point_records(config, counters);

@@ -15,7 +15,7 @@ namespace slamsensor::tools {
 
 /// How an EmulatedLwnx is built and set up.
 struct LwnxSettings {
-  LwnxProduct product = lwnx_product(LwnxModel::Lw20);
+  LightWareProduct product = lwnx_product(LwnxModel::Lw20);
   DeviceBegin begin = DeviceBegin::PowerUp;
   std::uint32_t baud = 0;  ///< 0: the product's
   double full_speed_hz = 20'000.0;
@@ -39,18 +39,17 @@ void set_rate(LwnxSettings& settings, double rate_hz);
 /// A reading as the device reports it.
 struct LwnxReading {
   bool is_lost = true;
-  double range_m = 0.0;   ///< zero offset included; of readings that are not lost
+  double range_m = 0.0;   ///< of readings that are not lost
   double strength = 0.0;  ///< per cent
 };
 
-/// Makes readings of sights: strength, zero offset, and the lost-signal counter, which repeats the last
-/// distance for some misses before it says "lost".
+/// Makes readings of sights: strength, and the lost-signal counter, which repeats the last distance for some
+/// misses before it says "lost".
 class LwnxReader {
  public:
   explicit LwnxReader(const LwnxSettings& settings) : settings_(settings) {}
 
   struct Setup {
-    double zero_offset_m = 0.0;
     std::uint32_t lost_counter = 0;
     bool tells_strength = false;  ///< else a weak echo is a miss: nobody could be warned of it
   };
@@ -68,12 +67,11 @@ class LwnxReader {
 
 /// The data of ID 44 (cm, decimetres on the GRF-500) for a reading: the fields of the product that `bits`
 /// selects, in their order.
-void pack_cm(const LwnxProduct& product, std::uint64_t bits, const LwnxReading& reading,
+void pack_cm(const LightWareProduct& product, std::uint64_t bits, const LwnxReading& reading,
              std::vector<std::uint8_t>& data);
 
-/// The data of ID 45 (mm): the same fields in four bytes each, or on the GRF-500 five pairs of distance and
-/// strength, of which the first is the echo, and the temperature.
-void pack_mm(const LwnxProduct& product, std::uint64_t bits, const LwnxReading& reading,
+/// The data of ID 45 (mm): the same fields in four bytes each.
+void pack_mm(const LightWareProduct& product, std::uint64_t bits, const LwnxReading& reading,
              std::vector<std::uint8_t>& data);
 
 /// A distance word of ID 40 or 44: `no_return` when there is none or it does not fit into `bytes` bytes.
@@ -131,7 +129,7 @@ class EmulatedLwnx final : public EmulatedSerialDevice {
   [[nodiscard]] bool write_common(const LwnxRequest& request, Stamp at);
   [[nodiscard]] bool use_token(const LwnxRequest& request);
   void answer_distance(std::uint8_t id, Stamp at);
-  void put_packet(std::uint8_t id, LwnxAccess access, Stamp at);
+  void put_packet(std::uint8_t id, RequestAccess access, Stamp at);
 
   // Readings
   void retime(Stamp now);
@@ -145,7 +143,7 @@ class EmulatedLwnx final : public EmulatedSerialDevice {
   void put_record(std::uint8_t id, std::span<const Stamp> measured, Stamp at);
 
   LwnxSettings settings_;
-  const LwnxProduct& product_;
+  const LightWareProduct& product_;
   RangeScene& scene_;
   SerialOutboxLine line_;
   LaserMachine machine_;

@@ -1,7 +1,6 @@
 #include "firmware/store/map_file.hpp"
 
 #include "firmware/control/control_request.hpp"
-#include "firmware/store/map_frame.hpp"
 #include "firmware/store/map_names.hpp"
 #include "tests/support/forest.hpp"
 #include "tests/unit/firmware/store/golden_maps.hpp"
@@ -115,20 +114,6 @@ TEST(MapFile, TheGoldenFileIsTheSample) {
   const auto map = decode_map(tests::from_hex(tests::kGoldenMap), unlimited_capacities());
   ASSERT_TRUE(map) << map.error().message;
   const MapFile sample = tests::sample_map();
-  expect_same_about(map->about, sample.about);
-  expect_same_numbers(map->numbers, sample.numbers);
-  EXPECT_TRUE(same_bytes(map->landmarks, sample.landmarks));
-  EXPECT_TRUE(same_bytes(map->positions_W, sample.positions_W));
-  EXPECT_TRUE(same_bytes(map->path, sample.path));
-}
-
-TEST(MapFile, OfVersion2ItIsReadWithoutSigmas) {
-  const auto map = decode_map(tests::from_hex(tests::kGoldenMapOfVersion2), unlimited_capacities());
-  ASSERT_TRUE(map) << map.error().message;
-  MapFile sample = tests::sample_map();
-  for (core::MapLandmark& landmark : sample.landmarks) {
-    landmark.sigma_m = 0.0F;
-  }
   expect_same_about(map->about, sample.about);
   expect_same_numbers(map->numbers, sample.numbers);
   EXPECT_TRUE(same_bytes(map->landmarks, sample.landmarks));

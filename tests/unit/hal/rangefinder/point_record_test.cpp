@@ -223,49 +223,6 @@ TEST(Packed7Records, RecordOfTheWrongLengthIsRefused) {
   }
 }
 
-std::string pair_of(int value, ByteOrder order) {
-  const char high = static_cast<char>(value >> 8);
-  const char low = static_cast<char>(value & 0xFF);
-  return order == ByteOrder::BigEndian ? std::string{high, low} : std::string{low, high};
-}
-
-TEST(PairRecords, FindsWhereReadingsBegin) {
-  for (const ByteOrder order : {ByteOrder::BigEndian, ByteOrder::LittleEndian}) {
-    for (const std::size_t from : {0u, 1u}) {
-      PointLaserConfig config;
-      config.record = PointRecord::Pair;
-      config.order = order;
-      config.unit_m = 0.01;
-      config.range.range_max_m = 300.0;
-      std::string stream;
-      for (int i = 0; i < 300; ++i) {
-        stream += pair_of(2000 + 3 * i, order);
-      }
-      const auto out = parse(config, stream.substr(from));
-      ASSERT_GT(out.size(), 230u);
-      for (const Measurement& one : out) {
-        EXPECT_NEAR(std::fmod(one.range_m * 100.0 - 2000.0 + 0.5, 3.0), 0.5, 1e-6);
-      }
-    }
-  }
-}
-
-TEST(PairRecords, ImplausibleValueEndsTheLock) {
-  PointLaserConfig config;
-  config.record = PointRecord::Pair;
-  config.unit_m = 0.01;
-  std::string stream;
-  for (int i = 0; i < 100; ++i) {
-    stream += pair_of(2000 + 3 * i, config.order);
-  }
-  RangeCounters counters;
-  const auto out = parse(config, stream + pair_of(40000, config.order) + stream, &counters);
-  EXPECT_EQ(counters[RangeEvent::LocksLost], 1u);
-  for (const Measurement& one : out) {
-    EXPECT_LT(one.range_m, 23.0);
-  }
-}
-
 TEST(PointRecords, NoiseNeverLeavesTheRules) {
   for (std::uint32_t seed = 1; seed <= 30; ++seed) {
     std::mt19937 engine(seed);
