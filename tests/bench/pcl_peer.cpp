@@ -59,13 +59,13 @@ Cloud::Ptr flat_cloud(std::span<const core::Point2> points) {
 /// points are in the map, while few bases drawn from the map lie within the scan.
 class PclPeer : public Peer {
  public:
-  explicit PclPeer(std::span<const core::Point2> map_W) : map_(flat_cloud(map_W)) {}
+  PclPeer(std::span<const core::Point2> map_W, float delta_m) : map_(flat_cloud(map_W)), delta_m_(delta_m) {}
 
   std::optional<core::Pose2> locate(std::span<const core::Point2> scan_L) override {
     SeededKfpcs method;
     method.setInputSource(map_);
     method.setInputTarget(flat_cloud(scan_L));
-    method.setDelta(kDelta_m);
+    method.setDelta(delta_m_);
     method.setApproxOverlap(kOverlap);
     method.setMaximumIterations(kBases);
     method.setScoreThreshold(0.0F);  // no early end: the best of all bases
@@ -84,12 +84,17 @@ class PclPeer : public Peer {
 
  private:
   Cloud::Ptr map_;
+  float delta_m_;
 };
 
 }  // namespace
 
 std::unique_ptr<Peer> make_pcl_peer(std::span<const core::Point2> map_W) {
-  return std::make_unique<PclPeer>(map_W);
+  return make_pcl_peer_within(map_W, kDelta_m);
+}
+
+std::unique_ptr<Peer> make_pcl_peer_within(std::span<const core::Point2> map_W, float delta_m) {
+  return std::make_unique<PclPeer>(map_W, delta_m);
 }
 
 }  // namespace slamsensor::bench

@@ -28,8 +28,10 @@ inline constexpr double kTolerance_m = 0.5;
 /// the one with the least residual.
 [[nodiscard]] std::unique_ptr<Peer> make_igraph_peer(std::span<const core::Point2> map_W);
 
-/// PCL's keypoint-based four point congruent sets (KFPCSInitialAlignment).
+/// PCL's keypoint-based four point congruent sets (KFPCSInitialAlignment), whose lengths agree within 1.414
+/// times `delta_m`; without it, as noise of 0.1 m asks for.
 [[nodiscard]] std::unique_ptr<Peer> make_pcl_peer(std::span<const core::Point2> map_W);
+[[nodiscard]] std::unique_ptr<Peer> make_pcl_peer_within(std::span<const core::Point2> map_W, float delta_m);
 
 /// OpenCV's estimateAffinePartial2D over all pairs of scan and map landmark.
 [[nodiscard]] std::unique_ptr<Peer> make_opencv_peer(std::span<const core::Point2> map_W);

@@ -324,7 +324,8 @@ class MapFiles(unittest.TestCase):
                 apart.append(min(math.hypot(sx - px, sy - py) for number, sx, sy in surveyed if number == plot))
             paired = [d for d in apart if d < 0.6]
             rms_m = math.sqrt(sum(d * d for d in paired) / len(paired))
-            print(f"rioja plot {plot:2}: fix, reason {pose['reason']}, protection radius {pose['protection_radius_m']} m, {pose['matches']} of {len(trees)} trees, {rms_m:.3f} m from the survey's (RMS), a pose from them "
+            print(f"rioja plot {plot:2}: fix ({pose['reason']}), protection radius {pose['protection_radius_m']} m, {pose['matches']} of "
+                  f"{len(trees)} trees, {rms_m:.3f} m from the survey's (RMS), a pose from them "
                   f"is good to {rms_m / math.sqrt(len(paired)):.3f} m; the scan's frame lies {math.hypot(x, y):.2f} m and "
                   f"{math.degrees(heading):.2f} deg from the survey's")
             self.assertLess(rms_m, 0.35, pose)

@@ -1,10 +1,11 @@
-// What users of odometry take from MRPT, on a drive: mrpt_peer ekf|icp|particles DRIVE MAP OUT SIGMA_M
-// SIGMA_RAD
+// What users of odometry take from MRPT, on a drive: mrpt_peer ekf-jcbb|ekf-nn|icp|particles DRIVE MAP OUT
+// SIGMA_M SIGMA_RAD REACH_M LIKELIHOOD_M
 //
 // DRIVE: lines "S scan dx dy dphi" (a scan, and what odometry says of the way to it, in the frame of the scan
 // before) and "L x y" (a landmark of that scan, in the sensor's frame). MAP: the true landmarks, for
 // `particles` alone. OUT: a line "scan,x_m,y_m,heading_rad,milliseconds" per scan, from the first scan as
-// origin. The sigmas are the noise of the sensor in range and bearing.
+// origin. The sigmas are the noise of the sensor in range and bearing, REACH_M how far EKF SLAM expects
+// landmarks; LIKELIHOOD_M is the spread about the true landmarks that the particle filter allows for.
 //
 // Settings: MRPT's defaults and the values of its own examples where not said otherwise beside them.
 #include <chrono>
@@ -38,6 +39,7 @@ using mrpt::poses::CPose2D;
 struct Noise {
   double range_m = 0.1;
   double bearing_rad = 0.005;
+  double reach_m = 100.0;
 };
 constexpr unsigned kSeed = 5;
 
@@ -103,13 +105,14 @@ class Peer {
   virtual CPose2D process(const Scan& scan) = 0;
 };
 
-/// CRangeBearingKFSLAM2D with joint compatibility, its best data association.
+/// CRangeBearingKFSLAM2D with its default data association, the nearest neighbour, or with joint
+/// compatibility: its best, whose time grows exponentially with the landmarks of a scan.
 class Ekf : public Peer {
  public:
-  explicit Ekf(const Noise& noise) : noise_(noise) {
+  Ekf(const Noise& noise, mrpt::slam::TDataAssociationMethod association) : noise_(noise) {
     filter_.options.std_sensor_range = static_cast<float>(noise.range_m);
     filter_.options.std_sensor_yaw = static_cast<float>(noise.bearing_rad);
-    filter_.options.data_assoc_method = mrpt::slam::assocJCBB;
+    filter_.options.data_assoc_method = association;
     filter_.setMinLoggingLevel(mrpt::system::LVL_ERROR);
   }
 
@@ -127,7 +130,7 @@ class Ekf : public Peer {
     seen->sensor_std_yaw = static_cast<float>(noise_.bearing_rad);
     seen->fieldOfView_yaw = 2.0 * M_PI;
     seen->minSensorDistance = 0.5F;
-    seen->maxSensorDistance = 100.0F;
+    seen->maxSensorDistance = static_cast<float>(noise_.reach_m);
     auto frame = mrpt::obs::CSensoryFrame::Create();
     frame->insert(seen);
     auto actions = action_of(scan.odometry);
@@ -186,9 +189,9 @@ class Icp : public Peer {
 /// CMonteCarloLocalization2D, given the true map, which neither of the others has.
 class Particles : public Peer {
  public:
-  explicit Particles(const std::vector<Point>& map) : map_(points_map(map)), filter_(2000) {
+  Particles(const std::vector<Point>& map, double likelihood_m) : map_(points_map(map)), filter_(2000) {
     mrpt::random::getRandomGenerator().randomize(kSeed);
-    map_.likelihoodOptions.sigma_dist = 0.3;
+    map_.likelihoodOptions.sigma_dist = static_cast<float>(likelihood_m);
     map_.likelihoodOptions.max_corr_distance = 1.0;
     map_.likelihoodOptions.decimation = 1;
     filter_.options.metricMap = std::shared_ptr<mrpt::maps::CMetricMap>(&map_, [](auto*) {});
@@ -224,19 +227,24 @@ class Particles : public Peer {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 7) {
-    std::fprintf(stderr, "usage: mrpt_peer ekf|icp|particles DRIVE MAP OUT SIGMA_M SIGMA_RAD\n");
+  if (argc != 9) {
+    std::fprintf(stderr,
+                 "usage: mrpt_peer ekf-jcbb|ekf-nn|icp|particles DRIVE MAP OUT SIGMA_M SIGMA_RAD REACH_M "
+                 "LIKELIHOOD_M\n");
     return 64;
   }
-  const Noise noise{std::strtod(argv[5], nullptr), std::strtod(argv[6], nullptr)};
+  const Noise noise{std::strtod(argv[5], nullptr), std::strtod(argv[6], nullptr),
+                    std::strtod(argv[7], nullptr)};
   const std::string method = argv[1];
   std::unique_ptr<Peer> peer;
-  if (method == "ekf") {
-    peer = std::make_unique<Ekf>(noise);
+  if (method == "ekf-jcbb") {
+    peer = std::make_unique<Ekf>(noise, mrpt::slam::assocJCBB);
+  } else if (method == "ekf-nn") {
+    peer = std::make_unique<Ekf>(noise, mrpt::slam::assocNN);
   } else if (method == "icp") {
     peer = std::make_unique<Icp>();
   } else if (method == "particles") {
-    peer = std::make_unique<Particles>(read_map(argv[3]));
+    peer = std::make_unique<Particles>(read_map(argv[3]), std::strtod(argv[8], nullptr));
   } else {
     return 64;
   }
@@ -250,6 +258,7 @@ int main(int argc, char** argv) {
     const CPose2D pose = peer->process(scan);
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
     std::fprintf(out, "%d,%.6f,%.6f,%.9f,%.4f\n", scan.number, pose.x(), pose.y(), pose.phi(), took.count());
+    std::fflush(out);  // what is there when its time is over, counts
   }
   return std::fclose(out) == 0 ? 0 : 73;
 }

@@ -102,6 +102,26 @@ class Scans(unittest.TestCase):
         for purpose in ("run", "packages", "arm64"):
             self.assertRegex((TREE / "tools/setup").read_text(), rf"(?m)^  {purpose}\) ", purpose)
 
+    def test_the_demo_stays_for_other_programs(self):
+        self.assertIn("`--stay`", README.text)
+        demo = subprocess.Popen([TREE / "tools/demo", "--stay", BUILD], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=TREE)
+        self.addCleanup(demo.stdout.close)
+        self.addCleanup(demo.wait)
+        self.addCleanup(demo.terminate)
+        port = next(found[1] for line in demo.stdout if (found := re.search(r"read_pose\.py tcp://localhost:(\d+)", line)))
+        reader = subprocess.Popen([TREE / "tools/examples/read_pose.py", f"tcp://localhost:{port}"], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(reader.stdout.close)
+        self.addCleanup(reader.wait)
+        self.addCleanup(reader.kill)
+        places = set()
+        for line in reader.stdout:  # until it was seen at two places
+            if " fix " in line:
+                places.add(round(float(line.split()[2])))
+            if len(places) == 2:
+                break
+        self.assertEqual(len(places), 2)
+        self.assertIsNone(demo.poll())
+
     def test_it_installs(self):
         self.done("cmake", "--install", BUILD, env={**os.environ, "DESTDIR": str(self.folder)}, patience_s=300)
         installed = {path.name for path in self.folder.rglob("*") if path.is_file()}

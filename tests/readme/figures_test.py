@@ -70,7 +70,29 @@ class Figures(unittest.TestCase):
         (figures,) = self.results("comparison")
         text = re.sub(r"\s+", " ", README.section("Measured"))
         for figure, value in figures.items():
-            self.assertRegex(text, rf"(?<![\d.,]){re.escape(f'{value:,.10g}')}(?![\d.])", figure)
+            shown = f"{value:.2f}" if figure.endswith("_m") else f"{value:,.10g}"
+            self.assertRegex(text, rf"(?<![\d.,]){re.escape(shown)}(?![\d])", figure)
+
+    def test_half_an_hour_in_real_time(self):
+        (figures,) = self.results("soak")
+        if figures["minutes"] < 30:
+            self.skipTest("the last run was shorter")
+        told = re.search(r"for 30 minutes.*?: no reading lost, no allocation or page fault.*?, ([\d,]+) of (\S+) million steps over 5 ms "
+                         r"\(worst (\S+) ms, cyclictest's beside it (\S+) ms\), (\d+) MB, scan end to NMEA (\S+) ms \(worst (\S+?)[;)]",
+                         re.sub(r"\s+", " ", README.section("Measured")))
+        self.assertIsNotNone(told)
+        self.assertEqual([figures[name] for name in ("readings_lost", "allocations", "page_faults")], [0, 0, 0])
+        self.assertEqual(list(told.groups()), [f"{figures['steps_late']:,.0f}", f"{figures['steps'] / 1e6:.1f}", f"{figures['worst_ms']:.1f}",
+                                               f"{figures['cyclictest_worst_ms']:.1f}", f"{figures['memory_mb']:.0f}",
+                                               f"{figures['answer_median_ms']:.1f}", f"{figures['answer_worst_ms']:.1f}"])
+
+    def test_a_thousand_kills(self):
+        (figures,) = self.results("kills")
+        told = re.search(r"Killed ([\d,]+) times.*?: (\d+) of (\d+) restarts fixed at once", re.sub(r"\s+", " ", README.section("Measured")))
+        kills, fixed, waited = numbers(" ".join(told.groups()))
+        if figures["kills"] != kills:
+            self.skipTest("the last run had another number of kills")
+        self.assertEqual((figures["fixed"], figures["waited"], figures["problems"]), (fixed, waited, 0))
 
 
 if __name__ == "__main__":
