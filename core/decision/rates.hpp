@@ -32,6 +32,21 @@ struct Rates {
   double inflation = 1.0;  ///< observed over predicted variance of poses: what errors have in common
   double inflation_count = 0.0;
 
+  /// Hands every number of `rates` to `visit`, always in the same order.
+  template <typename Self, typename Visit>
+  static void visit_numbers(Self& rates, const Visit& visit) {
+    for (auto* const number : {&rates.spread_m2, &rates.spread_count, &rates.clutter, &rates.clutter_count,
+                               &rates.second, &rates.second_count, &rates.offset_m, &rates.inflation,
+                               &rates.inflation_count, &rates.structure_decades}) {
+      visit(*number);
+    }
+    for (auto* const bins : {&rates.shown, &rates.in_view}) {
+      std::for_each(bins->begin(), bins->end(), visit);
+    }
+    std::for_each(rates.bearings.begin(), rates.bearings.end(), visit);
+  }
+  static constexpr std::size_t kNumbers = 10 + 2 * kRangeBins + kBearingBins;
+
   [[nodiscard]] static std::size_t range_bin(double range_m) noexcept {
     return std::min(kRangeBins - 1, static_cast<std::size_t>(std::max(0.0, range_m) / kRangeBin_m));
   }

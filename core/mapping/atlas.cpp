@@ -285,7 +285,7 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
 /// scan by scan up to this one and was not tied yet contradicts the home map as a whole: a copy of a place
 /// may look like home in one scan.
 double Atlas::home_share(MapSlot local) const noexcept {
-  const bool goes_on = maps_[local].scans >= kGrownScans &&
+  const bool goes_on = rates_.structure_decades >= kMayRepeat && maps_[local].scans >= kGrownScans &&
                        maps_[local].last_scan + 1 + blind_scans_ >= scan_.number &&
                        maps_[home_].last_scan + 1 + blind_scans_ < scan_.number;
   return goes_on ? 1.0 : kHomeShare;

@@ -126,7 +126,7 @@ void Atlas::step_groups(const Weighed& w, MapSlot map) noexcept {
     scans_since_step_ = 0;
     const bool is_linking = has_linked_ && scan_.number - linked_scan_ <= kLinkingScans;
     graph_.group_step(map, rates_.sigma_m(scale_.start_sigma_m()), is_linking ? kLoopStepGain : kStepGain);
-    rates_.offset_m = graph_.offset_m();
+    rates_.offset_m = graph_.is_offset_found() ? graph_.offset_m() : 0.0;
   }
 }
 

@@ -111,6 +111,7 @@ MapState Atlas::copy_home(const MapRoom& room) const noexcept {
     return state;
   }
   state.weight = maps_[home_].W;
+  state.rates = is_surveyed_ ? std::nullopt : std::optional(rates_);
   std::size_t count = 0;
   for (std::uint32_t slot = 0; slot < graph_.slots() && count < room.landmarks.size(); ++slot) {
     if (!graph_.is_used(slot) || graph_.landmark(slot).map != home_) {
@@ -192,7 +193,14 @@ MapCheck Atlas::restore(const MapState& state) noexcept {
   graph_.set_next_id(state.next_id);
   landmarks_evicted_ = state.landmarks_evicted;
   is_surveyed_ = state.is_surveyed;
-  probe_structure();
+  if (state.rates && !is_surveyed_) {
+    rates_ = *state.rates;
+    if (rates_.offset_m != 0.0) {
+      graph_.know_offset(rates_.offset_m);
+    }
+  } else {
+    probe_structure();
+  }
   return check;
 }
 

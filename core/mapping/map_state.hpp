@@ -1,10 +1,12 @@
 #pragma once
 
 #include "core/config.hpp"
+#include "core/decision/rates.hpp"
 #include "core/mapping/hypothesis.hpp"
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 namespace slamsensor::core {
@@ -35,6 +37,7 @@ struct MapState {
   std::uint32_t next_id = 0;            ///< of the next new landmark
   std::uint32_t scans = 0;              ///< processed so far; the number of the next one
   bool is_surveyed = false;             ///< somebody else measured all landmarks: the map is complete
+  std::optional<Rates> rates{};         ///< what was learned with it; a survey and old files have none
 };
 
 /// Where a map is copied to.
@@ -61,6 +64,7 @@ enum class MapFlaw : std::uint8_t {
   LandmarkScans,     ///< last seen before it was first seen, or in a scan that is still to come
   PathOrder,         ///< a pose's scan is not later than the one before, or is still to come
   PathPose,          ///< a pose is not a number
+  Rates,             ///< a number of what was learned cannot be one
 };
 
 /// A flaw and where it is: the index of the landmark or of the pose, or the count that is wrong.

@@ -491,6 +491,11 @@ void SightingGraph::expect_offset(double offset_m) noexcept {
   sum_anew();
 }
 
+void SightingGraph::know_offset(double offset_m) noexcept {
+  expect_offset(offset_m);
+  is_offset_found_ = true;
+}
+
 void SightingGraph::forget(MapSlot map) noexcept {
   visit_landmarks(map, [&](std::uint32_t slot) { remove_landmark(slot); });
   for (std::uint64_t p = pose_tail_; p < pose_head_; ++p) {

@@ -138,6 +138,8 @@ class SightingGraph {
   /// Sets how much farther a landmark's centre is expected to lie than was measured (m), before the sightings
   /// show it. Landmarks follow.
   void expect_offset(double offset_m) noexcept;
+  /// The same of an offset that sightings showed before.
+  void know_offset(double offset_m) noexcept;
   /// A measured point in the body's frame.
   [[nodiscard]] Point2 body_point(const Point2& point_L) const noexcept;
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 namespace slamsensor::firmware {
@@ -112,6 +113,15 @@ void read_path(const MapFrameSection& section, MapFile& map) {
     pose.pose_W.x_m = in.take_double();
     pose.pose_W.y_m = in.take_double();
     pose.pose_W.heading_rad = in.take_double();
+  }
+}
+
+void read_rates(const MapFrameSection& section, MapFile& map) {
+  if (section.records != 0) {
+    ByteReader in(section.payload);
+    core::Rates::visit_numbers(map.numbers.rates.emplace(), [&](auto& number) {
+      number = static_cast<std::remove_reference_t<decltype(number)>>(in.take_double());
+    });
   }
 }
 
@@ -250,6 +260,15 @@ Bytes path_records(const core::MapState& state) {
   return records;
 }
 
+Bytes rate_record(const core::MapState& state) {
+  Bytes record;
+  ByteWriter out(record);
+  if (state.rates) {
+    core::Rates::visit_numbers(*state.rates, [&](auto number) { out.put(static_cast<double>(number)); });
+  }
+  return record;
+}
+
 using core::MapFlaw;
 
 std::string landmark_place(const core::MapCheck& check, const core::MapState& state) {
@@ -296,6 +315,10 @@ std::string counts_text(const core::MapCheck& check, const core::Capacities& cap
     case MapFlaw::TooManyPoses:
       return "its path has " + count + " poses and there is room for " +
              std::to_string(capacities.path_poses) + ": raise capacities.path_poses to " + count;
+    case MapFlaw::Rates:
+      return "what was learned with it has a number that cannot be: the map was not written by slamsensor; "
+             "use an "
+             "earlier copy of it";
     case MapFlaw::PositionCount:
       return "it has " + count + " positions, not one for each landmark";
     default:
@@ -320,6 +343,7 @@ tl::expected<MapFile, MapFileError> decode_map(std::span<const std::uint8_t> byt
   }
   read_landmarks(frame->sections[1], map);
   read_path(frame->sections[2], map);
+  read_rates(frame->sections[3], map);
   const core::MapCheck check = core::check_map(map.state(), capacities);
   if (!check.ok()) {
     const bool is_large =
@@ -366,6 +390,7 @@ Bytes encode_map(const MapAbout& about, const core::MapState& state) {
   append_section(MapSection::Info, 1, info_record(about, state), sections);
   append_section(MapSection::Landmarks, state.landmarks.size(), landmark_records(state), sections);
   append_section(MapSection::Path, state.path.size(), path_records(state), sections);
+  append_section(MapSection::Rates, state.rates ? 1 : 0, rate_record(state), sections);
   Bytes file(kMapMagic.begin(), kMapMagic.end());
   file.reserve(kMapPrefixBytes + sections.size());
   ByteWriter out(file);
@@ -421,10 +446,10 @@ Outcome check_magic(FileBytes file) {
                                          " and is not a map of slamsensor; name a .slammap file");
 }
 
-/// Whether prefix and size are sound, and the version is the one that is known.
-Outcome check_prefix(FileBytes file) {
+/// The number of sections, when prefix and size are sound and the version is known.
+tl::expected<std::uint32_t, MapFileError> check_prefix(FileBytes file) {
   if (const Outcome magic = check_magic(file); !magic) {
-    return magic;
+    return tl::unexpected(magic.error());
   }
   if (file.size() < kMapPrefixBytes) {
     return damaged(file.size(),
@@ -443,17 +468,17 @@ Outcome check_prefix(FileBytes file) {
                                           "; this program reads version " + std::to_string(kMapVersion) +
                                           ": install a newer slamsensor");
   }
-  if (version < kMapVersion) {
+  if (version < kMapVersionOldest) {
     return damaged(8, "there is no format version " + std::to_string(version));
   }
-  if (sections != kMapSectionTags.size()) {
+  if (sections != sections_of(version)) {
     return damaged(12, "it claims " + std::to_string(sections) + " sections; version " +
-                           std::to_string(version) + " has " + std::to_string(kMapSectionTags.size()));
+                           std::to_string(version) + " has " + std::to_string(sections_of(version)));
   }
   if (size != file.size()) {
     return damaged(16, "it claims " + std::to_string(size) + " bytes and has " + std::to_string(file.size()));
   }
-  return {};
+  return sections;
 }
 
 /// The section at `begin`, when its head and checksum are sound.
@@ -474,10 +499,10 @@ tl::expected<MapFrameSection, MapFileError> read_section(FileBytes file, std::si
   const auto told = in.take<std::uint32_t>();
   section.begin = begin + kSectionHeadBytes;
   const std::uint32_t fixed = record_bytes_of(wanted);
-  if (fixed != 0 ? section.record_bytes != fixed : section.records != 1) {
+  if (section.records > records_max_of(wanted) ||
+      (fixed != 0 ? section.record_bytes != fixed : section.records != 1)) {
     return damaged(begin + 4, "section " + name + ": " + std::to_string(section.records) + " records of " +
-                                  std::to_string(section.record_bytes) + " bytes are not of version " +
-                                  std::to_string(kMapVersion));
+                                  std::to_string(section.record_bytes) + " bytes are not of this format");
   }
   const std::uint64_t size = std::uint64_t{section.records} * section.record_bytes;
   if (size > in.left()) {
@@ -499,12 +524,13 @@ tl::unexpected<MapFileError> damaged(std::size_t byte, const std::string& what) 
 }
 
 tl::expected<MapFrame, MapFileError> read_frame(FileBytes bytes) {
-  if (const Outcome prefix = check_prefix(bytes); !prefix) {
-    return tl::unexpected(prefix.error());
+  const auto sections = check_prefix(bytes);
+  if (!sections) {
+    return tl::unexpected(sections.error());
   }
   MapFrame frame;
   std::size_t begin = kMapPrefixBytes;
-  for (std::uint32_t s = 0; s < kMapSectionTags.size(); ++s) {
+  for (std::uint32_t s = 0; s < *sections; ++s) {
     auto section = read_section(bytes, begin, static_cast<MapSection>(s));
     if (!section) {
       return tl::unexpected(std::move(section.error()));

@@ -108,10 +108,14 @@ struct MapFileError {
 ///                    height m, bearing deg f64), name (length u16, characters)
 /// LAND (a landmark)  id, xi, parents (3), sightings, chances, first and last scan u32, x, y f64, sigma f32
 /// PATH (a pose)      scan u32, xi u32, x, y, heading f64
+/// RATE (none or one) what was learned with the map: the numbers of core::Rates in the order of
+/// visit_numbers,
+///                    f64. Version 3, which is read, too, has no such section.
 ///
 /// The magic begins with a byte that no text begins with and shows a transfer in text mode, as PNG's does.
 inline constexpr std::array<std::uint8_t, 8> kMapMagic{0x89, 'S', 'L', 'M', '\r', '\n', 0x1A, '\n'};
-inline constexpr std::uint32_t kMapVersion = 3;
+inline constexpr std::uint32_t kMapVersion = 4;
+inline constexpr std::uint32_t kMapVersionOldest = 3;
 inline constexpr std::size_t kMapPrefixBytes = 28;
 inline constexpr std::size_t kSectionHeadBytes = 16;
 
@@ -125,8 +129,15 @@ inline constexpr std::uint8_t kInfoHasDatum = 1;
 inline constexpr std::uint8_t kInfoFrozen = 2;
 inline constexpr std::uint8_t kInfoSurveyed = 4;
 
-enum class MapSection : std::uint8_t { Info, Landmarks, Path };
-inline constexpr std::array<std::string_view, 3> kMapSectionTags{"INFO", "LAND", "PATH"};
+enum class MapSection : std::uint8_t { Info, Landmarks, Path, Rates };
+inline constexpr std::array<std::string_view, 4> kMapSectionTags{"INFO", "LAND", "PATH", "RATE"};
+
+[[nodiscard]] constexpr std::uint32_t sections_of(std::uint32_t version) noexcept {
+  return version == kMapVersionOldest ? 3 : kMapSectionTags.size();
+}
+[[nodiscard]] constexpr std::uint32_t records_max_of(MapSection section) noexcept {
+  return section == MapSection::Info || section == MapSection::Rates ? 1 : UINT32_MAX;
+}
 
 /// Bytes of a record; 0: it says so itself.
 [[nodiscard]] constexpr std::uint32_t record_bytes_of(MapSection section) noexcept {
@@ -135,6 +146,8 @@ inline constexpr std::array<std::string_view, 3> kMapSectionTags{"INFO", "LAND",
       return 56;
     case MapSection::Path:
       return 32;
+    case MapSection::Rates:
+      return 8 * core::Rates::kNumbers;
     case MapSection::Info:
       break;
   }

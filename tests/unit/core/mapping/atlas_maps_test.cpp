@@ -188,6 +188,29 @@ TEST(AtlasMaps, AMapThatIsGivenBackFindsItself) {
   }
 }
 
+// After a restart the sensor knew nothing of where it looks, how far readings scatter and how the world
+// repeats itself, and had to learn it anew.
+TEST(AtlasMaps, WhatWasLearnedComesBackWithTheMap) {
+  Draw draw(31);
+  const Forest forest = tests::make_forest(250, draw);
+  AtlasRig rig;
+  (void)rig.drive(forest, {-40, 0}, {40, 0}, draw);
+  AtlasRig::Kept kept = rig.keep();
+  ASSERT_TRUE(kept.state.rates);
+  EXPECT_LT(kept.state.rates->structure_decades, Rates::kStartStructure);
+  kept.state.rates->offset_m = 0.21;
+  AtlasRig again;
+  ASSERT_TRUE(again.atlas->restore(kept.state).ok());
+  EXPECT_EQ(again.atlas->rates().spread_count, kept.state.rates->spread_count);
+  EXPECT_EQ(again.atlas->rates().bearings, kept.state.rates->bearings);
+  EXPECT_EQ(again.atlas->rates().structure_decades, kept.state.rates->structure_decades);
+  EXPECT_EQ(again.keep().state.rates->offset_m, 0.21);
+  kept.state.rates->shown[3] = -1.0F;
+  EXPECT_EQ(again.atlas->restore(kept.state).flaw, MapFlaw::Rates);
+  kept.state.rates.reset();
+  ASSERT_TRUE(again.atlas->restore(kept.state).ok()) << "a map of a former version";
+}
+
 TEST(AtlasMaps, AFlawedMapChangesNothing) {
   Draw draw(2);
   const Forest forest = tests::make_forest(250, draw);

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <type_traits>
 
 namespace slamsensor::firmware {
 namespace {
@@ -89,6 +90,41 @@ TEST(MapFile, ASurveyIsMarkedWhereItIsFrozenAndNoOlderFileIsOne) {
     ASSERT_TRUE(old) << old.error().message;
     EXPECT_FALSE(old->state().is_surveyed);
   }
+}
+
+TEST(MapFile, WhatWasLearnedWithAMapIsKept) {
+  MapFile sample = tests::sample_map();
+  core::Rates rates;
+  double next = 0.0;
+  core::Rates::visit_numbers(rates, [&](auto& number) {
+    number += static_cast<std::remove_reference_t<decltype(number)>>(next += 0.25);
+  });
+  rates.offset_m = -0.125;
+  sample.numbers.rates = rates;
+  const auto bytes = encode_map(sample.about, sample.state());
+  const auto map = decode_map(bytes, unlimited_capacities());
+  ASSERT_TRUE(map) << map.error().message;
+  ASSERT_TRUE(map->numbers.rates);
+  EXPECT_EQ(map->numbers.rates->spread_m2, 0.25);
+  EXPECT_EQ(map->numbers.rates->structure_decades, core::Rates::kStartStructure + 2.5);
+  EXPECT_EQ(map->numbers.rates->bearings.back(), 19.5F);
+  EXPECT_EQ(encode_map(map->about, map->state()), bytes);
+  for (const double bad : {std::nan(""), HUGE_VAL, -1.0, 1e10}) {
+    sample.numbers.rates = rates;
+    sample.numbers.rates->clutter_count = bad;
+    const auto refused = decode_map(encode_map(sample.about, sample.state()), unlimited_capacities());
+    ASSERT_FALSE(refused) << bad;
+    EXPECT_EQ(refused.error().problem, MapProblem::Flawed);
+    EXPECT_TRUE(refused.error().message.starts_with("what was learned with it has a number that cannot be"))
+        << bad;
+  }
+}
+
+TEST(MapFile, VersionThreeIsReadWhichHasNothingOfWhatWasLearned) {
+  const auto old = decode_map(tests::from_hex(tests::kGoldenMapOfVersion3), unlimited_capacities());
+  ASSERT_TRUE(old) << old.error().message;
+  EXPECT_FALSE(old->numbers.rates);
+  EXPECT_EQ(encode_map(old->about, old->state()), tests::from_hex(tests::kGoldenMap));
 }
 
 TEST(MapFile, ADatumIsAPlaceThatTheSettingsCanHaveToo) {
