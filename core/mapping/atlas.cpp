@@ -281,11 +281,11 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
   choose_home();
 }
 
-/// The share of the decades of a local map with which the home map is still believed. A local map that grew
-/// scan by scan up to this one and was not tied yet contradicts the home map as a whole: a copy of a place
-/// may look like home in one scan.
+/// The share of the decades of a local map with which the home map is still believed. A doubtful map that
+/// grew scan by scan up to this one may be a copy of home, which a single scan of it may look like: where
+/// such a map explains the scan better, it is not home.
 double Atlas::home_share(MapSlot local) const noexcept {
-  const bool goes_on = rates_.structure_decades >= kMayRepeat && maps_[local].scans >= kGrownScans &&
+  const bool goes_on = maps_[local].is_doubtful && maps_[local].scans >= kGrownScans &&
                        maps_[local].last_scan + 1 + blind_scans_ >= scan_.number &&
                        maps_[home_].last_scan + 1 + blind_scans_ < scan_.number;
   return goes_on ? 1.0 : kHomeShare;

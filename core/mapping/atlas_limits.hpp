@@ -35,7 +35,6 @@ inline constexpr std::uint64_t kTieScans =
 inline constexpr std::uint64_t kFollowScans = 2;  // the same where it began as the other was left
 inline constexpr double kHomeShare =
     0.5;  // of the decades of a local map, with which the home map is still believed
-inline constexpr double kMayRepeat = 6.5;  // decades: below, so much was seen that a copy would be a surprise
 inline constexpr std::uint32_t kGrownScans =
     10;  // of a local map that says as much of a place as the home map
 inline constexpr double kScansTieDecades = 15.0;  // in all, of scans that agree on where their local map lies
