@@ -313,8 +313,6 @@ void check_inclination(Rules& rules) {
                 {"inclination.can_node", "canopen_pan.node"}, "is the same as");
   rules.require(!shares_bus || head.cia410.node != head.canopen.tilt.node,
                 {"inclination.can_node", "canopen_tilt.node"}, "is the same as");
-  rules.require(levelling.source != InclinationSource::Iio || levelling.max_age_s >= 2.0 * head.iio.mean_s,
-                {"inclination.max_age_s", "inclination.iio_mean_s"}, "is shorter than two measurements of");
   for (const InclinationSource source : {InclinationSource::Can, InclinationSource::Iio}) {
     if (const auto opened = open_inclinometer(head, source); !opened) {
       rules.refuse_section("inclination", opened.error().message);
@@ -330,12 +328,6 @@ void check_head(Rules& rules) {
   check_scan(rules);
   check_drivers(rules);
   check_inclination(rules);
-}
-
-void check_realtime(Rules& rules) {
-  const RealtimeConfig& realtime = rules.config().daemon.realtime;
-  rules.require(realtime.slam_priority < realtime.scan_priority,
-                {"realtime.slam_priority", "realtime.scan_priority"}, "is not below");
 }
 
 /// A sentence has at most 82 characters of 10 bits.
@@ -386,7 +378,6 @@ void check_gpio(Rules& rules) {
 }
 
 void check_daemon(Rules& rules) {
-  check_realtime(rules);
   check_nmea(rules);
   check_lcm(rules);
   check_gpio(rules);

@@ -14,8 +14,6 @@ enum class RealtimeMode : std::uint8_t {
 
 struct RealtimeConfig {
   RealtimeMode mode = RealtimeMode::Optional;
-  std::uint32_t scan_priority = 80;    ///< [1, 99] of SCHED_FIFO: bytes to readings
-  std::uint32_t slam_priority = 60;    ///< [1, 99], below scan_priority: readings to fix
   double scan_period_s = 0.00073;      ///< [0.0005, 0.01] s between two looks at the devices; off the grid of
                                        ///< their own milliseconds, so that roundings average out
   double scan_deadline_s = 0.005;      ///< [0.0005, 0.1] s: a look that ends later than this after it was
@@ -47,7 +45,6 @@ struct LcmConfig {
   std::string url;                        ///< empty: LCM_DEFAULT_URL, else LCM's own default (ttl 0)
   std::string prefix = "SLAMSENSOR_";     ///< of the own channels: POSE, STATUS, COUNTERS, MAP, SCAN
   std::string bot_core_channel = "POSE";  ///< of bot_core.pose_t; empty: none
-  double status_hz = 1.0;                 ///< [0.1, 10]
   double map_period_s = 5.0;              ///< [0.1, 3600] between two transmissions of a changed map
 };
 

@@ -13,6 +13,7 @@ namespace {
 
 constexpr hal::Stamp kWaitMax = std::chrono::milliseconds(100);
 constexpr hal::Stamp kLogPeriod = std::chrono::milliseconds(200);
+constexpr hal::Stamp kStatusPeriod = std::chrono::seconds(1);  // over LCM; a person reads it
 // A map is sent in bursts, so that a receiver with little room (LCM's default: 30 messages) gets all of it.
 constexpr std::uint32_t kMapChunksPerTurn = 8;
 // A map that does not change is repeated for those who came later.
@@ -201,7 +202,7 @@ void PublishLoop::publish_status(const OutputTime& now) {
   if (!lcm_ || now.monotonic < status_due_) {
     return;
   }
-  status_due_ = now.monotonic + hal::from_seconds(1.0 / config_.lcm.status_hz);
+  status_due_ = now.monotonic + kStatusPeriod;
   lcm_->publish(status_, now.utc);
 }
 

@@ -7,11 +7,16 @@
 namespace slamsensor::firmware {
 namespace {
 
+// Of SCHED_FIFO. Bytes come before poses, and both before the kernel's interrupt threads (50).
+constexpr std::uint32_t kScanPriority = 80;
+constexpr std::uint32_t kSlamPriority = 60;
+
 constexpr hal::Stamp kSlamNap = std::chrono::milliseconds(50);
 constexpr hal::Stamp kScanSilence = std::chrono::seconds(5);
 constexpr hal::Stamp kSlamSilence = std::chrono::seconds(10);     // beside its deadline
 constexpr hal::Stamp kPublishSilence = std::chrono::seconds(60);  // a slow disk is no reason to die
 constexpr hal::Stamp kInclinationSilence = std::chrono::seconds(60);
+constexpr hal::Stamp kInclinationAgeMax = std::chrono::seconds(3);  // an older one stops the scanning
 constexpr hal::Stamp kInclinationNap = std::chrono::milliseconds(5);
 
 hal::Stamp clock_now(void*) noexcept {
@@ -99,7 +104,7 @@ tl::expected<void, std::string> SensorThreads::start() {
     return tl::unexpected(publish.error());
   }
   publish_thread_ = std::move(*publish);
-  auto slam = start_thread({"slam", config_.daemon.realtime.slam_priority}, [this] { run_slam(); });
+  auto slam = start_thread({"slam", kSlamPriority}, [this] { run_slam(); });
   if (!slam) {
     return tl::unexpected(slam.error());
   }
@@ -135,8 +140,7 @@ tl::expected<void, std::string> SensorThreads::start_scanning() {
   scan_ = std::make_unique<ScanLoop>(*head_, gpio_ ? &gpio_->inputs() : nullptr, scan_orders_, scan_queue_,
                                      slam_wakeup_, head_status_);
   if (inclination_) {
-    scan_->read_inclination(inclination_->reports(),
-                            hal::from_seconds(config_.scan_head.levelling.max_age_s));
+    scan_->read_inclination(inclination_->reports(), kInclinationAgeMax);
   }
   return resume_scanning();
 }
@@ -144,7 +148,7 @@ tl::expected<void, std::string> SensorThreads::start_scanning() {
 tl::expected<void, std::string> SensorThreads::resume_scanning() {
   stop_scan_ = false;
   timer_.restart();
-  auto thread = start_thread({"scan", config_.daemon.realtime.scan_priority}, [this] { run_scan(); });
+  auto thread = start_thread({"scan", kScanPriority}, [this] { run_scan(); });
   if (!thread) {
     return tl::unexpected(thread.error());
   }

@@ -59,8 +59,7 @@ enum class InclinationSource : std::uint8_t {
 struct LevellingConfig {
   InclinationSource source = InclinationSource::None;  ///< none, fixed, can, iio
   core::Attitude fixed;                                ///< of Fixed
-  core::Attitude offset;   ///< what the inclinometer reports while the sensor stands upright
-  double max_age_s = 3.0;  ///< [0.2, 60] s: without a measurement for longer nothing is scanned
+  core::Attitude offset;  ///< what the inclinometer reports while the sensor stands upright
   double max_lean_rad = 20.0 * core::kDegree;  ///< [1, 45] deg: 20; a sensor that leans farther does not scan
   double moved_rad =
       1.0 * core::kDegree;  ///< [0.05, 45] deg: 1; tilted by more during a scan, the carrier moved

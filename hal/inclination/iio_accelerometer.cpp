@@ -14,6 +14,10 @@ namespace slamsensor::hal {
 namespace {
 
 constexpr double kRotationSlack = 0.01;
+constexpr double kGravityShareMax =
+    0.03;  // an acceleration that is off 9.81 m/s^2 by more is not that of rest
+constexpr Stamp kPollPeriod = std::chrono::milliseconds(50);
+constexpr std::uint32_t kReadingsOfMean = 10;  // half a second, in which the noise averages out
 constexpr std::string_view kSpace = " \t\r\n";
 
 bool is_rotation(const MountMatrix& m) noexcept {
@@ -134,21 +138,10 @@ tl::expected<std::unique_ptr<IioAccelerometer>, InitError> IioAccelerometer::cre
   if (config.device.empty() || config.device.size() > kDeviceNameMax) {
     return refuse("a device of 1 to " + std::to_string(kDeviceNameMax) + " characters is needed");
   }
-  if (!(config.gravity_share_max > 0.0 && config.gravity_share_max <= 0.5)) {
-    return refuse("gravity_share_max is " + std::to_string(config.gravity_share_max) +
-                  "; at most 0.5 is allowed");
-  }
-  if (!(config.poll_hz >= 1.0 && config.poll_hz <= 200.0) ||
-      !(config.mean_s >= 0.0 && config.mean_s <= 10.0)) {
-    return refuse("poll_hz 1 to 200 and mean_s 0 to 10 are allowed");
-  }
   return std::unique_ptr<IioAccelerometer>(new IioAccelerometer(config));
 }
 
-IioAccelerometer::IioAccelerometer(const IioConfig& config)
-    : config_(config),
-      count_(std::max(1U, static_cast<std::uint32_t>(std::lround(config.poll_hz * config.mean_s)))),
-      mount_(kAsItIs) {
+IioAccelerometer::IioAccelerometer(const IioConfig& config) : config_(config), mount_(kAsItIs) {
   fail(DeviceState::Absent, "is not there", 0, "check inclination.iio_device");
 }
 
@@ -171,7 +164,7 @@ void IioAccelerometer::step(Stamp now) noexcept {
     fail(DeviceState::Starting, "is being read", 0, "wait");
   }
   if (const auto acceleration = read()) {
-    next_ = now + from_seconds(1.0 / config_.poll_hz);
+    next_ = now + kPollPeriod;
     add(*acceleration, now);
   } else {
     close_all();
@@ -286,7 +279,7 @@ std::optional<IioAccelerometer::Vector> IioAccelerometer::read() noexcept {
 void IioAccelerometer::add(const Vector& acceleration, Stamp now) noexcept {
   first_ = added_ == 0 ? now : first_;
   std::transform(sum_.begin(), sum_.end(), acceleration.begin(), sum_.begin(), std::plus<>());
-  if (++added_ < count_) {
+  if (++added_ < kReadingsOfMean) {
     return;
   }
   Vector mean = sum_;
@@ -300,7 +293,7 @@ void IioAccelerometer::add(const Vector& acceleration, Stamp now) noexcept {
 
 void IioAccelerometer::measure(const Vector& mean, Stamp now) noexcept {
   const double size_mps2 = std::hypot(mean[0], mean[1], mean[2]);
-  if (!(std::abs(size_mps2 - kGravity_mps2) <= config_.gravity_share_max * kGravity_mps2)) {
+  if (!(std::abs(size_mps2 - kGravity_mps2) <= kGravityShareMax * kGravity_mps2)) {
     counters_.count(IioEvent::NotAtRest);
     measured_.reset();
     fail(DeviceState::Faulted, "does not measure gravity alone", 0,

@@ -33,9 +33,6 @@ struct IioConfig {
   /// are numbered in another order.
   std::string device = "iio:device0";
   std::string root = "/sys/bus/iio/devices";  ///< where names are looked for
-  double gravity_share_max = 0.03;  ///< an acceleration that is off 9.81 m/s^2 by more is not that of rest
-  double poll_hz = 20.0;            ///< readings, 1..200
-  double mean_s = 0.5;              ///< a measurement is the mean of so long, 0..10
 };
 
 enum class IioEvent : std::uint8_t { ReadsFailed, NumbersMalformed, NotAtRest, Reopened };
@@ -45,7 +42,7 @@ enum class IioEvent : std::uint8_t { ReadsFailed, NumbersMalformed, NotAtRest, R
 /// real-time thread. After construction no memory is taken.
 class IioAccelerometer final : public Inclinometer {
  public:
-  /// Refuses a configuration out of the bounds above.
+  /// Refuses a device without a name, or with too long a one.
   [[nodiscard]] static tl::expected<std::unique_ptr<IioAccelerometer>, InitError> create(
       const IioConfig& config);
 
@@ -82,7 +79,6 @@ class IioAccelerometer final : public Inclinometer {
   void close_all() noexcept;
 
   const IioConfig config_;
-  const std::uint32_t count_;  // readings of a measurement
   DeviceState state_ = DeviceState::Absent;
   ReopenProblem problem_;
   FixedText<80> model_;

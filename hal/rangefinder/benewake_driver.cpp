@@ -192,7 +192,6 @@ class BenewakeSerialDriver final : public SerialRangeDriver {
         product_(benewake_product(config.device.model)),
         script_(config.device, product_.commands) {
     info_.product = FixedText<32>(product_.name);
-    info_.resolution_m = 0.01;
   }
 
  private:
@@ -342,7 +341,6 @@ class BenewakeCanDriver final : public RangeDriver {
         script_(config.device, config.commands == BenewakeCanConfig::Commands::None ? BenewakeCommands::None
                                                                                     : product_.commands) {
     info_.product = FixedText<32>(product_.name);
-    info_.resolution_m = 0.01;
   }
 
  private:

@@ -381,7 +381,6 @@ void LwnxDriver::on_name(std::span<const std::uint8_t> data, Stamp now) noexcept
   limits_ = config();
   limits_.saturated_from =
       std::isinf(limits_.saturated_from) ? script_.product().saturated_from : limits_.saturated_from;
-  info_.resolution_m = script_.is_raw() ? 0.01 : script_.layout().unit_m;
   expect_rate(script_.rate_hz(), script_.readings_per_packet());
   dialogue_.answered(now);
 }

@@ -72,7 +72,6 @@ PointLaserConfig mdl_laserace_im_hr_unverified() {
   config.product = "MDL LaserAce IM HR (unverified)";
   config.layout = PointLaserConfig::Layout::Unverified;
   config.range.range_max_m = 300.0;
-  config.resolution_m = 0.1;
   return config;
 }
 
@@ -144,7 +143,6 @@ class PointLaserDriver final : public SerialRangeDriver {
       commands_[kFirstSetUp + i].set(config.set_up[i]);
     }
     info_.product = FixedText<32>(config.product);
-    info_.resolution_m = config.resolution_m;
   }
 
  private:

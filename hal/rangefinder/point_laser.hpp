@@ -37,7 +37,6 @@ struct PointLaserConfig {
   /// Whether the layout was found in a manual; if not, problem() says so.
   enum class Layout : std::uint8_t { FromManual, Unverified } layout = Layout::FromManual;
   RangeConfig range;
-  double resolution_m = 0.001;
   double rate_hz = 1000.0;
   std::uint32_t baud = 115200;
   enum class Search : std::uint8_t { ThisBaud, UsualBauds } search = Search::ThisBaud;

@@ -70,7 +70,6 @@ struct RangefinderInfo {
   FixedText<32> product;
   double rate_hz = 0.0;  ///< readings per second that were asked for and confirmed
   double range_max_m = 0.0;
-  double resolution_m = 0.0;
 };
 
 class Rangefinder : public Device {

@@ -42,8 +42,7 @@ class Leaning(unittest.TestCase):
         self.sensor.scenario.write_text(park + f"\n[mount]\nroll_deg = {ROLL_DEG}\npitch_deg = {PITCH_DEG}\n")
         self.accelerometer = Accelerometer(self.sensor.folder / "iio")
         self.accelerometer.lean(ROLL_DEG, PITCH_DEG)
-        self.settings = {"inclination.source": "iio", "inclination.iio_device": self.accelerometer.folder,
-                         "inclination.max_age_s": 1.0, "inclination.iio_mean_s": 0.2}
+        self.settings = {"inclination.source": "iio", "inclination.iio_device": self.accelerometer.folder}
 
     def test_levels_its_scans_and_says_by_what(self):
         self.sensor.start_head()

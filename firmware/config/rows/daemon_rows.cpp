@@ -86,15 +86,9 @@ constexpr Setting kSettings[] = {
      free_text<kDaemon, kLcm, &LcmConfig::prefix>(kLcmPrefix)},
     {"lcm.bot_core_channel", "", "Channel of bot_core.pose_t; empty: none.",
      free_text<kDaemon, kLcm, &LcmConfig::bot_core_channel>(kLcmChannel)},
-    {"lcm.status_hz", "Hz", "Statuses per second.",
-     real<kDaemon, kLcm, &LcmConfig::status_hz>(0.1, 10.0), Apply::Live},
 
     {"realtime.mode", "", "required: no start without it; optional: as much as is granted, and the log says so.",
      choice<kDaemon, kRealtime, &RealtimeConfig::mode>(kModes)},
-    {"realtime.scan_priority", "", "SCHED_FIFO priority of the thread that reads the devices.",
-     integer<kDaemon, kRealtime, &RealtimeConfig::scan_priority>(1, 99)},
-    {"realtime.slam_priority", "", "The same of the thread that finds the pose; below scan_priority.",
-     integer<kDaemon, kRealtime, &RealtimeConfig::slam_priority>(1, 99)},
     {"realtime.slam_deadline_s", "s", "For the pose of a scan; then the search is cut.",
      real<kDaemon, kRealtime, &RealtimeConfig::slam_deadline_s>(0.01, 600.0)},
 

@@ -10,7 +10,6 @@ using namespace rows;
 using hal::CanopenAxisConfig;
 using hal::CanopenConfig;
 using hal::PtuConfig;
-using hal::ReopenConfig;
 using hal::Rs485Config;
 using hal::SerialConfig;
 using hal::SerialFormat;
@@ -27,7 +26,6 @@ constexpr auto kPanPort = &HeadConfig::pan_tilt_port;
 constexpr auto kRangePort = &HeadConfig::rangefinder_port;
 constexpr auto kLine = &SerialConfig::line;
 constexpr auto kFormat = &SerialLine::format;
-constexpr auto kReopen = &SerialConfig::reopen;
 constexpr auto kRs485 = &SerialConfig::rs485;
 
 constexpr std::string_view kResets[] = {"never", "if_unreferenced", "always"};
@@ -72,8 +70,6 @@ constexpr Setting kSettings[] = {
 
     {"pan_tilt_port.path", "", "Terminal device; a stable name.",
      free_text<kHead, kPanPort, &SerialConfig::path>(kDevicePath)},
-    {"pan_tilt_port.reopen_longest_s", "s", "Wait before a lost port is opened again: doubled at each failure from 0.05 s up to this.",
-     duration<kHead, kPanPort, kReopen, &ReopenConfig::longest>(0.05, 60.0)},
 
     {"pan_tilt_rs485.rts_while_sending", "", "Level of RTS while bytes are sent.",
      choice<kHead, kPanPort, kRs485, &Rs485Config::rts_while_sending>(kLevels)},
@@ -92,8 +88,6 @@ constexpr Setting kSettings[] = {
      choice<kHead, kRangePort, kLine, kFormat, &SerialFormat::parity>(kParities)},
     {"rangefinder_port.stop_bits", "", "Stop bits of a character.",
      integer<kHead, kRangePort, kLine, kFormat, &SerialFormat::stop_bits>(1, 2)},
-    {"rangefinder_port.reopen_longest_s", "s", "Wait before a lost port is opened again: doubled at each failure from 0.05 s up to this.",
-     duration<kHead, kRangePort, kReopen, &ReopenConfig::longest>(0.05, 60.0)},
 
     {"rangefinder_rs485.rts_while_sending", "", "Level of RTS while bytes are sent.",
      choice<kHead, kRangePort, kRs485, &Rs485Config::rts_while_sending>(kLevels)},
@@ -124,8 +118,6 @@ constexpr Setting kSettings[] = {
      duration<kHead, kPtu, &PtuConfig::query_timeout>(0.001, 600.0)},
     {"ptu.motion_timeout_s", "s", "The same for a move.",
      duration<kHead, kPtu, &PtuConfig::motion_timeout>(0.001, 600.0)},
-    {"ptu.retry_wait_s", "s", "Rest before a faulted unit is started up again.",
-     duration<kHead, kPtu, &PtuConfig::retry_wait>(0.001, 600.0)},
 
     {"canopen.homing", "", "When a start-up drives an axis to its reference; never: for absolute encoders.",
      choice<kHead, kCanopen, &CanopenConfig::homing>(kHomings)},

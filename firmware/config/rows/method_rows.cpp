@@ -75,11 +75,8 @@ constexpr Setting kSettings[] = {
      real<kScanHead, &SensorHeadConfig::scan, &ScanConfig::settle_s>(0.0, 10.0)},
     {"scan.late_data_s", "s", "How long data of an ended line may be under way.",
      real<kScanHead, &SensorHeadConfig::scan, &ScanConfig::late_data_s>(0.0, 10.0)},
-    {"scan.retry_s", "s", "Rest between an aborted scan and the next.",
-     real<kScanHead, &SensorHeadConfig::scan, &ScanConfig::retry_s>(0.0, 600.0)},
     {"scan.readings_per_line_max", "", "Room for the readings of a line; 56 bytes each.",
      integer<kScanHead, &SensorHeadConfig::scan, &ScanConfig::readings_per_line_max>(100, 2'000'000)},
-
 
     {"latency.self_calibration", "", "Whether the latency between the devices is found from opposite sweeps; else initial_s counts.",
      boolean<kScanHead, &SensorHeadConfig::latency, &LatencyConfig::self_calibration>()},
@@ -90,8 +87,6 @@ constexpr Setting kSettings[] = {
 
     {"motion.enabled", "", "Whether a scan during which the carrier moved is recognised and rejected.",
      boolean<kScanHead, &SensorHeadConfig::motion, &MotionConfig::enabled>()},
-    {"motion.range_max_m", "m", "What is farther is not looked at.",
-     real<kScanHead, &SensorHeadConfig::motion, &MotionConfig::range_max_m>(5.0, 1000.0)},
 
     {"mount.x_m", "m", "Forward from the carrier's reference point to the sensor.",
      real<kCore, kMount, &MountConfig::x_m>(-100.0, 100.0)},
@@ -123,8 +118,6 @@ constexpr Setting kSettings[] = {
      real<kCore, kAssociation, &AssociationConfig::tolerance_m>(0.01, 20.0)},
     {"association.search", "", "By an index of triangles (fast), or by the correspondence graph (paper).",
      choice<kCore, kAssociation, &AssociationConfig::search>(kSearches)},
-    {"association.index_neighbours", "", "Fast search: neighbours that a landmark forms triangles with; fewer take less memory.",
-     integer<kCore, kAssociation, &AssociationConfig::index_neighbours>(3, 8)},
     {"association.effort_max", "", "Fast search: about the nanoseconds of work after which it gives up, whatever the clock says.",
      integer<kCore, kAssociation, &AssociationConfig::effort_max>(100'000, 1'000'000'000'000)},
     {"association.depth", "", "Edges join landmarks up to this many mesh steps apart.",

@@ -36,7 +36,6 @@ constexpr auto kClock = &RangeConfig::clock;
 constexpr std::string_view kPresets[] = {"astech_lds70a", "mdl_laserace_im_hr", "custom"};
 constexpr std::string_view kSearches[] = {"this_baud", "usual_bauds"};
 constexpr std::string_view kRecords[] = {"ascii_decimal", "ascii_hex", "packed7"};
-constexpr std::string_view kPrefixes[] = {"required", "optional"};
 constexpr auto kLaser = &HeadConfig::point_laser;
 using Texts = std::vector<std::string>;
 constexpr Access<Texts> kCodes = {
@@ -121,8 +120,6 @@ constexpr Setting kSettings[] = {
 
     {"point_laser.preset", "", "Product whose values stand where a key of this section is not written.",
      choice<kHead, &HeadConfig::point_laser_preset>(kPresets)},
-    {"point_laser.product", "", "Name in messages and in the status.",
-     free_text<kHead, kLaser, &PointLaserConfig::product>(kProductName)},
     {"point_laser.rate_hz", "Hz", "Readings per second that the device sends.",
      real<kHead, kLaser, &PointLaserConfig::rate_hz>(0.1, 50'000.0)},
     {"point_laser.baud", "baud", "Line rate.",
@@ -137,8 +134,6 @@ constexpr Setting kSettings[] = {
      real<kHead, kLaser, &PointLaserConfig::range, &RangeConfig::saturated_from>(1e-6, kInfinity)},
     {"point_laser.clock_timing", "", "Whether readings come at a constant rate, from which their times are then found.",
      choice<kHead, kLaser, &PointLaserConfig::range, kClock, &SampleClockConfig::timing>(kClockTimings)},
-    {"point_laser.resolution_m", "m", "Smallest step of a distance.",
-     real<kHead, kLaser, &PointLaserConfig::resolution_m>(0.0, 100.0)},
     {"point_laser.record", "", "How a reading is written: decimal or hexadecimal text, or 7 bits a byte.",
      choice<kHead, kLaser, &PointLaserConfig::record>(kRecords)},
     {"point_laser.unit_m", "m", "Distance = number * unit_m + offset_m.",
@@ -153,8 +148,6 @@ constexpr Setting kSettings[] = {
      free_text<kHead, kLaser, &PointLaserConfig::terminator>(kTerminator)},
     {"point_laser.prefix", "", "What begins a text record.",
      free_text<kHead, kLaser, &PointLaserConfig::prefix>(kRecordPrefix)},
-    {"point_laser.prefix_is", "", "Whether every record has the prefix.",
-     choice<kHead, kLaser, &PointLaserConfig::prefix_is>(kPrefixes)},
     {"point_laser.width", "", "Characters of a text record without its terminator; 0: any, then a lost digit may go unseen.",
      integer<kHead, kLaser, &PointLaserConfig::width>(0, 48)},
     {"point_laser.decimals", "", "Digits after the point; -1: any.",
@@ -182,8 +175,6 @@ constexpr Setting kSettings[] = {
      degrees<kScanHead, kLevelling, &LevellingConfig::offset, &Attitude::roll_rad>(-180.0, 180.0)},
     {"inclination.offset_pitch_deg", "deg", "Pitch that the device reports while the sensor stands upright.",
      degrees<kScanHead, kLevelling, &LevellingConfig::offset, &Attitude::pitch_rad>(-90.0, 90.0)},
-    {"inclination.max_age_s", "s", "Without a measurement for longer than this the sensor does not scan.",
-     real<kScanHead, kLevelling, &LevellingConfig::max_age_s>(0.2, 60.0)},
     {"inclination.max_lean_deg", "deg", "A sensor that leans by more does not scan.",
      degrees<kScanHead, kLevelling, &LevellingConfig::max_lean_rad>(1.0, 45.0)},
     {"inclination.can_interface", "", "CAN interface of the inclinometer; its bit rate is the system's.",
@@ -196,8 +187,6 @@ constexpr Setting kSettings[] = {
      choice<kHead, kCia410, &Cia410Config::lateral_slope>(kLateralSlopes)},
     {"inclination.iio_device", "", "Accelerometer: its name or label (\"adxl345\"), \"iio:device0\", or its folder.",
      free_text<kHead, kIio, &IioConfig::device>(kIioDevice)},
-    {"inclination.iio_mean_s", "s", "A measurement is the mean of readings for so long.",
-     real<kHead, kIio, &IioConfig::mean_s>(0.0, 10.0)},
 };
 // clang-format on
 

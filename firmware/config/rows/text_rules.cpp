@@ -201,9 +201,6 @@ constinit const TextRule kLcmChannel = {
 constinit const TextRule kGpioChip = {"at most 64 printable characters", [](std::string_view text) {
                                         return text.size() <= 64 && is_printable(text);
                                       }};
-constinit const TextRule kProductName = {"1 to 32 printable characters", [](std::string_view text) {
-                                           return !text.empty() && text.size() <= 32 && is_printable(text);
-                                         }};
 constinit const TextRule kTerminator = {"1 to 4 characters of ASCII", [](std::string_view text) {
                                           return !text.empty() && text.size() <= 4 && is_ascii(text);
                                         }};

@@ -24,7 +24,6 @@ extern const TextRule kLcmUrl;  ///< or empty
 extern const TextRule kLcmPrefix;
 extern const TextRule kLcmChannel;  ///< or empty
 extern const TextRule kGpioChip;    ///< or empty
-extern const TextRule kProductName;
 extern const TextRule kTerminator;
 extern const TextRule kRecordPrefix;
 extern const TextRule kSeparator;

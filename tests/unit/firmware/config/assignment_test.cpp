@@ -67,12 +67,12 @@ TEST(Assignment, TheLaterOfTwoCounts) {
 TEST(Assignment, ThatIsNoTomlDoesNotHideTheOthers) {
   LoadedConfig loaded;
   const auto errors = apply_assignments(
-      loaded, {{"nmea.rate_hz", "= 2"}, {"fix.stale_s", "-1"}, {"scan.retry_s", "3"}}, "here");
+      loaded, {{"nmea.rate_hz", "= 2"}, {"fix.stale_s", "-1"}, {"scan.settle_s", "3"}}, "here");
   ASSERT_EQ(errors.size(), 2U) << error_lines(errors);
   EXPECT_THAT(errors[0].text(), HasSubstr("here: nmea.rate_hz: value = 2 is not TOML"));
   EXPECT_THAT(errors[0].text(), HasSubstr("allowed: 0.1 .. 10.0 Hz"));
   EXPECT_THAT(errors[1].text(), HasSubstr("here: fix.stale_s: value -1 is out of range"));
-  EXPECT_EQ(loaded.config.scan_head.scan.retry_s, 3.0);
+  EXPECT_EQ(loaded.config.scan_head.scan.settle_s, 3.0);
 }
 
 }  // namespace

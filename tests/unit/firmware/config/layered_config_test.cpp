@@ -80,7 +80,7 @@ TEST_F(Layers, ReportTheMistakesOfAllAtOnce) {
   folder.write("f.toml.d/a.toml", "[nmea\n");
   folder.write("f.toml.d/b.toml", "[fix]\nstale_s = 0\n[scan]\npan_min_deg = 10.0\n");
   const auto refused = LayeredConfig::create({.file = folder.path() / "f.toml",
-                                              .settings = {{"lcm.status_hz", "fast"},
+                                              .settings = {{"nmea.landmark_sigma_m", "fine"},
                                                            {"scan.pan_max_deg", "-10"},
                                                            {"nmea.rate", "3"},
                                                            {"map.autosave_s", "]["}},
@@ -95,7 +95,7 @@ TEST_F(Layers, ReportTheMistakesOfAllAtOnce) {
       ElementsAre(HasSubstr("f.toml:2:11: nmea.rate_hz: value 99.0 is out of range"),
                   HasSubstr("f.toml.d/a.toml:1:"), HasSubstr("f.toml.d/b.toml:2:11: fix.stale_s: value 0"),
                   "--set: x: was wrong before", HasSubstr("--set: map.autosave_s: value ][ is not TOML: "),
-                  HasSubstr("--set: lcm.status_hz: value \"fast\" is not a number"),
+                  HasSubstr("--set: nmea.landmark_sigma_m: value \"fine\" is not a number"),
                   HasSubstr("--set: nmea.rate: unknown key; did you mean nmea.rate_hz?"),
                   HasSubstr("f.toml.d/b.toml:4:15: scan.pan_min_deg: value 10.0 is not below "
                             "scan.pan_max_deg = -10.0 (--set)")));

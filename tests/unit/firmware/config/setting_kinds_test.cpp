@@ -20,9 +20,9 @@ std::string text_of(std::string_view key, const LoadedConfig& config) {
 }
 
 TEST(SettingKinds, TimesAreSecondsInTheFileAndStampsInTheProgram) {
-  const LoadedConfig config = loaded("[ptu]\nquery_timeout_s = 0.1234\nretry_wait_s = 2\n");
+  const LoadedConfig config = loaded("[ptu]\nquery_timeout_s = 0.1234\nmotion_timeout_s = 2\n");
   EXPECT_EQ(config.config.head.ptu.query_timeout, std::chrono::microseconds(123'400));
-  EXPECT_EQ(config.config.head.ptu.retry_wait, std::chrono::seconds(2));
+  EXPECT_EQ(config.config.head.ptu.motion_timeout, std::chrono::seconds(2));
   EXPECT_EQ(text_of("ptu.query_timeout_s", config), "0.1234");
 }
 
@@ -105,7 +105,6 @@ TEST(Preset, StandsBelowTheKeysOfItsSectionInWhateverOrder) {
     EXPECT_EQ(laser.baud, 9600U);
     EXPECT_EQ(laser.product, preset.product);
     EXPECT_EQ(laser.layout, hal::PointLaserConfig::Layout::Unverified);
-    EXPECT_EQ(laser.resolution_m, preset.resolution_m);
     EXPECT_TRUE(laser.texts.empty());
     EXPECT_EQ(laser.stop, "");
   }

@@ -149,16 +149,8 @@ TEST_F(Accelerometer, BrokenFilesAreNamed) {
   EXPECT_TRUE(measured()) << driver->problem();
 }
 
-TEST_F(Accelerometer, RefusesSettingsOutOfBounds) {
-  hal::IioConfig config;
-  config.device = "";
-  EXPECT_FALSE(hal::IioAccelerometer::create(config));
-  config = {};
-  config.gravity_share_max = 0.0;
-  EXPECT_FALSE(hal::IioAccelerometer::create(config));
-  config = {};
-  config.poll_hz = 1000.0;
-  EXPECT_FALSE(hal::IioAccelerometer::create(config));
+TEST_F(Accelerometer, RefusesADeviceWithoutAName) {
+  EXPECT_FALSE(hal::IioAccelerometer::create({.device = ""}));
 }
 
 TEST_F(Accelerometer, TakesNoMemory) {
