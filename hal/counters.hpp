@@ -16,10 +16,10 @@ struct Counter {
 
 /// The counters of one driver or transport, one for each enumerator of `Event` (0, 1, 2, ...).
 template <typename Event, std::size_t kCount>
-class Counters {
+class EventCounters {
  public:
   /// `names` in the order of the enumerators.
-  explicit constexpr Counters(const std::array<std::string_view, kCount>& names) noexcept {
+  explicit constexpr EventCounters(const std::array<std::string_view, kCount>& names) noexcept {
     for (std::size_t i = 0; i < kCount; ++i) {
       counters_[i].name = names[i];
     }

@@ -162,7 +162,7 @@ void PublishLoop::answer(const FixMessage& message, const OutputTime& now) {
   answer_last_ = hal::monotonic_now() - message.scan_ended;
   answer_max_ = std::max(answer_max_, answer_last_);
   if (lcm_) {
-    lcm_->publish(ScanView{identity_.initialization, message.fix.scan, message.fix.time, message.seen()});
+    lcm_->publish(LcmScanView{identity_.initialization, message.fix.scan, message.fix.time, message.seen()});
   }
   if (inlets_.gpio != nullptr && status_.state == SensorState::Fixed) {
     inlets_.gpio->on_fix(now.monotonic);

@@ -131,7 +131,7 @@ class PeriodicTimer {
   bool is_first_ = true;
   hal::Stamp wake_latency_max_{};
   hal::Stamp step_max_{};
-  hal::Counters<TimerEvent, 3> counters_;
+  hal::EventCounters<TimerEvent, 3> counters_;
 };
 
 }  // namespace slamsensor::firmware

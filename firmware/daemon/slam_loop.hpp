@@ -228,7 +228,7 @@ class SlamLoop {
   FixMessage message_;  // in the making
   SlamStatus status_;
   std::uint32_t lines_ = 0;  // of the scan under way
-  hal::Counters<SlamEvent, 4> counters_;
+  hal::EventCounters<SlamEvent, 4> counters_;
 };
 
 }  // namespace slamsensor::firmware

@@ -56,7 +56,7 @@ class GpioInputs {
 
   GpioInputLines lines_;
   bool was_open_ = false;
-  hal::Counters<GpioInputEvent, kGpioInputEvents> counters_;
+  hal::EventCounters<GpioInputEvent, kGpioInputEvents> counters_;
 };
 
 enum class GpioOutputEvent : std::uint8_t {
@@ -102,7 +102,7 @@ class GpioOutputs {
   hal::Stamp pulse_;
   hal::Stamp pulse_end_{};  // zero: no pulse
   SensorState state_ = SensorState::Starting;
-  hal::Counters<GpioOutputEvent, kGpioOutputEvents> counters_;
+  hal::EventCounters<GpioOutputEvent, kGpioOutputEvents> counters_;
 };
 
 /// How a panel gets its lines: the kernel's, or whatever stands in for them.

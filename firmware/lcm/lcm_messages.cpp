@@ -166,11 +166,11 @@ bool is_sound(const ScanMessage& message) noexcept {
   return is_sound_chunk<kScanChunkLandmarks>(message);
 }
 
-std::uint32_t scan_chunks(const ScanView& scan) noexcept {
+std::uint32_t scan_chunks(const LcmScanView& scan) noexcept {
   return chunks_of<kScanChunkLandmarks>(scan.landmarks.size());
 }
 
-std::size_t encode_scan_chunk(const ScanView& scan, std::uint32_t chunk,
+std::size_t encode_scan_chunk(const LcmScanView& scan, std::uint32_t chunk,
                               std::span<std::uint8_t> out) noexcept {
   ScanMessage message;
   if (!number_chunk<kScanChunkLandmarks>(scan.landmarks.size(), chunk, message)) {

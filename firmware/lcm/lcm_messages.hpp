@@ -157,7 +157,7 @@ struct ScanMessage {
 [[nodiscard]] bool is_sound(const ScanMessage& message) noexcept;
 
 /// A scan to be sent.
-struct ScanView {
+struct LcmScanView {
   std::uint64_t initialization = 0;  ///< FixReport::initialization
   std::uint32_t scan = 0;            ///< Fix::scan
   core::ScanTime time;
@@ -165,11 +165,11 @@ struct ScanView {
 };
 
 /// Messages that a scan takes: at least one, even without landmarks.
-[[nodiscard]] std::uint32_t scan_chunks(const ScanView& scan) noexcept;
+[[nodiscard]] std::uint32_t scan_chunks(const LcmScanView& scan) noexcept;
 
 /// Writes chunk number `chunk` (from 0, below scan_chunks) into `out` and returns its length; 0 when there is
 /// no such chunk or it does not fit.
-[[nodiscard]] std::size_t encode_scan_chunk(const ScanView& scan, std::uint32_t chunk,
+[[nodiscard]] std::size_t encode_scan_chunk(const LcmScanView& scan, std::uint32_t chunk,
                                             std::span<std::uint8_t> out) noexcept;
 
 /// When the scan of a sound `message` was made.

@@ -67,7 +67,7 @@ void LcmPublisher::publish(const SensorStatus& status, hal::Stamp utc) noexcept 
   }
 }
 
-void LcmPublisher::publish(const ScanView& scan) noexcept {
+void LcmPublisher::publish(const LcmScanView& scan) noexcept {
   for (std::uint32_t chunk = 0; chunk < scan_chunks(scan); ++chunk) {
     send(scan_, encode_scan_chunk(scan, chunk, buffer_));
   }

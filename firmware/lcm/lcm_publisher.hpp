@@ -31,7 +31,7 @@ class LcmPublisher {
   void publish(const SensorStatus& status, hal::Stamp utc) noexcept;
 
   /// Sends every chunk of the scan.
-  void publish(const ScanView& scan) noexcept;
+  void publish(const LcmScanView& scan) noexcept;
 
   /// Sends at most `at_most` chunks of the map from number `first` on; returns the number of the first one
   /// not sent yet, none when the map is sent. A large map is spread over several calls, for receivers that

@@ -72,7 +72,7 @@ class LcmChannel {
 };
 
 enum class LcmEvent : std::uint8_t { Published, NotOpen, SendFailed, Opened, OpenFailed };
-using LcmCounters = hal::Counters<LcmEvent, 5>;
+using LcmCounters = hal::EventCounters<LcmEvent, 5>;
 
 /// Sends LCM messages, and only that: it never subscribes, so liblcm makes no thread and receives nothing.
 /// Without a route for multicast it is closed, says so, and is opened by `service` as soon as there is one.

@@ -150,7 +150,7 @@ class NmeaPublisher {
   core::FixStatus last_status_ = core::FixStatus::NoFix;  ///< that an epoch showed
   hal::Stamp last_scan_{};                                ///< end of the scan that an epoch showed
   std::array<char, kNmeaEpochBytesMax> bytes_{};
-  hal::Counters<NmeaEvent, 4> counters_;
+  hal::EventCounters<NmeaEvent, 4> counters_;
 };
 
 }  // namespace slamsensor::firmware

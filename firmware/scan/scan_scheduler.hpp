@@ -248,7 +248,7 @@ class ScanScheduler {
   bool carrier_moved_ = false;
   bool halt_due_ = false;
   std::array<bool, kHoldReasons> holds_{};
-  hal::Counters<SchedulerEvent, kSchedulerEvents> counters_;
+  hal::EventCounters<SchedulerEvent, kSchedulerEvents> counters_;
 };
 
 }  // namespace slamsensor::firmware

@@ -160,7 +160,7 @@ class SensorHead {
   double loose_max_share_;
   std::uint32_t lines_loose_ = 0;  // of the scan under way
   std::optional<ScanDoubt> doubt_;
-  hal::Counters<HeadEventCount, 3> counters_;
+  hal::EventCounters<HeadEventCount, 3> counters_;
   hal::Ring<HeadEvent, kEventsMax> events_;
   std::uint64_t events_dropped_ = 0;
   std::uint64_t readings_ = 0;

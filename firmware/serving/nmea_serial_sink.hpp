@@ -51,7 +51,7 @@ class NmeaSerialSink final : public EpochSink {
   hal::Stamp patience_;
   hal::Stamp line_free_{};  ///< when all that was written will have left
   std::uint32_t link_epoch_ = 0;
-  hal::Counters<NmeaSerialEvent, 6> counters_;
+  hal::EventCounters<NmeaSerialEvent, 6> counters_;
 };
 
 }  // namespace slamsensor::firmware

@@ -203,7 +203,7 @@ class NmeaTcpServer final : public EpochSink {
   TcpListener listener_;
   std::vector<TcpClient> clients_;
   hal::Stamp now_{};
-  hal::Counters<NmeaTcpEvent, kNmeaTcpEvents> counters_;
+  hal::EventCounters<NmeaTcpEvent, kNmeaTcpEvents> counters_;
 };
 
 }  // namespace slamsensor::firmware

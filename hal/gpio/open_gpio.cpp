@@ -66,7 +66,7 @@ class PlainInput final : public GpioInput {
   GpioLine line_;
   GpioEdges edges_;
   std::optional<GpioEdge> last_;
-  Counters<Event, kNames.size()> counters_;
+  EventCounters<Event, kNames.size()> counters_;
 };
 
 /// An input that is debounced here. Its line reports both edges.

@@ -91,7 +91,7 @@ class IioAccelerometer final : public Inclinometer {
   Stamp first_{};  // of the readings in sum_
   bool was_open_ = false;
   std::optional<Inclination> measured_;
-  Counters<IioEvent, 4> counters_{
+  EventCounters<IioEvent, 4> counters_{
       std::array<std::string_view, 4>{"reads_failed", "numbers_malformed", "not_at_rest", "reopened"}};
 };
 

@@ -132,6 +132,6 @@ inline constexpr std::array<std::string_view, 27> kPtuEventNames{"replies_late",
                                                                  "moves_repeated",
                                                                  "moves_lost"};
 
-using PtuCounters = Counters<PtuEvent, kPtuEventNames.size()>;
+using PtuCounters = EventCounters<PtuEvent, kPtuEventNames.size()>;
 
 }  // namespace slamsensor::hal

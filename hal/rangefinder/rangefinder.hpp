@@ -36,10 +36,10 @@ enum class RangeEvent : std::uint8_t {
 };
 inline constexpr std::size_t kRangeEvents = static_cast<std::size_t>(RangeEvent::LinkLosses) + 1;
 
-class RangeCounters : public Counters<RangeEvent, kRangeEvents> {
+class RangeCounters : public EventCounters<RangeEvent, kRangeEvents> {
  public:
   RangeCounters() noexcept
-      : Counters(std::array<std::string_view, kRangeEvents>{
+      : EventCounters(std::array<std::string_view, kRangeEvents>{
             "readings_dropped", "readings_withheld", "records_refused", "checksum_errors", "lengths_refused",
             "bytes_skipped", "foreign_records", "locks_lost", "requests_repeated", "requests_refused",
             "line_rates_tried", "stream_silences", "rate_deviations", "timing_doubts", "periods_missing",

@@ -65,7 +65,7 @@ enum class CanEvent : std::uint8_t {
 
 inline constexpr std::size_t kCanEvents = static_cast<std::size_t>(CanEvent::SendRefused) + 1;
 
-using CanCounters = Counters<CanEvent, kCanEvents>;
+using CanCounters = EventCounters<CanEvent, kCanEvents>;
 
 /// The names of the enumerators, in their order.
 [[nodiscard]] const std::array<std::string_view, kCanEvents>& can_event_names() noexcept;

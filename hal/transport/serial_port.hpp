@@ -101,7 +101,7 @@ class SerialPort final : public ByteLink {
   ReopenProblem problem_;
   std::array<std::uint8_t, kWriteMax> rest_{};  ///< of a write that the kernel took in part
   std::span<const std::uint8_t> unsent_;        ///< in `rest_`
-  Counters<SerialEvent, kEvents> counters_;
+  EventCounters<SerialEvent, kEvents> counters_;
 };
 
 }  // namespace slamsensor::hal

@@ -134,6 +134,13 @@ class Planted(unittest.TestCase):
         in_tests = {"core/triangle.hpp": "#pragma once\n", "tests/support/triangle.hpp": "#pragma once\n"}
         self.assertEqual(self.findings(tree.headers, files=in_tests), [])
 
+    def test_types(self):
+        twice = {"core/a.hpp": "struct Box {\n};\n", "tools/b.hpp": "// a\nenum class Box : char { A };\n"}
+        self.assertEqual([(f.path, f.line) for f in self.findings(tree.types, files=twice)], [("tools/b.hpp", 2)])
+        other = {"core/a.hpp": "struct Box {\n};\n", "core/b.hpp": "struct Box;\nstruct Lid {\n  struct Box {};\n};\n",
+                 "tools/c.cpp": "struct Box {\n};\n", "tests/d.hpp": "struct Box {\n};\n"}
+        self.assertEqual(self.findings(tree.types, files=other), [])
+
 
 class PlantedSymbols(unittest.TestCase):
     def findings(self, source):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The state of the house: tree.py entries|words|config|skips|headers ROOT."""
+"""The state of the house: tree.py entries|words|config|skips|headers|types ROOT."""
 import collections
 import pathlib
 import re
@@ -13,6 +13,10 @@ PRODUCT = ("core", "hal", "firmware", "tools", "config", "systemd", "CMakeLists.
 # Places on the machine of whoever wrote the line.
 MACHINE = re.compile(r"(?<![\w.$}])/(?:work|root|home|Users|mnt)(?:/|\b)")
 SCRATCH = re.compile(r"(?<![\w.$}])/(?:var/)?tmp(?:/|\b)")
+# A class, struct or enumeration of a namespace; neither a specialisation nor a declaration.
+TYPE = re.compile(r"^(?:template <[^>]*>\s*)?(?:class|struct|enum class)\s+([A-Z]\w*)(?![\w:<])[^;{()]*\{", re.MULTILINE)
+TYPES_TWICE = {"Config"}  # all settings of the sensor, and core's part of them
+
 UNFINISHED = re.compile(r"\b(?:TO[D]O|FIX[M]E|X[X]X|HA[C]K)\b")
 
 
@@ -84,7 +88,19 @@ def headers(root):
             for title in places for name in places[title][1:]]
 
 
-CHECKS = {check.__name__: check for check in (entries, words, config, skips, headers)}
+def types(root):
+    """One type name, one meaning: no two headers of the product define a type of the same name."""
+    places = collections.defaultdict(list)
+    for name in house.cpp_files(root):
+        if name.endswith(".hpp"):
+            text = house.without_comments(house.read(root, name))
+            for match in TYPE.finditer(text):
+                places[match.group(1)].append((name, house.line_of(text, match.start(1))))
+    return [house.Finding(name, line, f"{places[title][0][0]} has a type {title} too")
+            for title in places if title not in TYPES_TWICE for name, line in places[title][1:]]
+
+
+CHECKS = {check.__name__: check for check in (entries, words, config, skips, headers, types)}
 
 if __name__ == "__main__":
     house.finish(CHECKS[sys.argv[1]](pathlib.Path(sys.argv[2])), sys.argv[1])

@@ -152,12 +152,12 @@ class DelayDraw {
 };
 
 /// A line with the emulated devices on it: what happens on it happens in the order of time.
-class DeviceLine {
+class EmulatedLine {
  public:
-  DeviceLine() = default;
-  DeviceLine(const DeviceLine&) = delete;
-  DeviceLine& operator=(const DeviceLine&) = delete;
-  virtual ~DeviceLine() = default;
+  EmulatedLine() = default;
+  EmulatedLine(const EmulatedLine&) = delete;
+  EmulatedLine& operator=(const EmulatedLine&) = delete;
+  virtual ~EmulatedLine() = default;
 
   /// The earliest time at which something happens by itself in a device or to the host's sendings;
   /// hal::kNever when nothing is due. What arrives at the host is no event: it waits to be taken.

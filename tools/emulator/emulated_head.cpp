@@ -160,15 +160,15 @@ EmulatedHead::EmulatedHead(Parts parts)
 void EmulatedHead::plug_in(HeadDevices devices) {
   devices_ = std::move(devices);
   scene_.watch(*devices_.pointing);
-  const std::initializer_list<DeviceLine*> all = {devices_.ptu_port.get(), devices_.bus.get(),
-                                                  devices_.rangefinder_port.get()};
+  const std::initializer_list<EmulatedLine*> all = {devices_.ptu_port.get(), devices_.bus.get(),
+                                                    devices_.rangefinder_port.get()};
   std::copy_if(all.begin(), all.end(), std::back_inserter(lines_),
-               [](const DeviceLine* line) { return line != nullptr; });
+               [](const EmulatedLine* line) { return line != nullptr; });
 }
 
 Stamp EmulatedHead::next_event() const {
   Stamp next = std::min(plan_.next(), stands_.next());
-  for (const DeviceLine* const line : lines_) {
+  for (const EmulatedLine* const line : lines_) {
     next = std::min(next, line->next_event());
   }
   return next;
@@ -176,7 +176,7 @@ Stamp EmulatedHead::next_event() const {
 
 Stamp EmulatedHead::next_delivery() const {
   Stamp next = hal::kNever;
-  for (const DeviceLine* const line : lines_) {
+  for (const EmulatedLine* const line : lines_) {
     next = std::min(next, line->next_delivery());
   }
   return next;
@@ -186,14 +186,14 @@ void EmulatedHead::advance(Stamp now) {
   for (Stamp event = next_event(); event <= now; event = next_event()) {
     step(event);
   }
-  for (DeviceLine* const line : lines_) {
+  for (EmulatedLine* const line : lines_) {
     line->advance(now);
   }
   clock_.now = now;
 }
 
 void EmulatedHead::step(Stamp event) {
-  for (DeviceLine* const line : lines_) {
+  for (EmulatedLine* const line : lines_) {
     if (line->next_event() <= event) {
       line->advance(event);
     }

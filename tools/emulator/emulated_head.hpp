@@ -162,7 +162,7 @@ class EmulatedHead {
   StandPlan stands_;
   FaultPlan plan_;
   HeadDevices devices_;
-  std::vector<DeviceLine*> lines_;  // the unit's before the rangefinder's
+  std::vector<EmulatedLine*> lines_;  // the unit's before the rangefinder's
   SimClock clock_;
   std::vector<VisitRecord> visits_;
   std::vector<FaultRecord> faults_;

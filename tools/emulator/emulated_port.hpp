@@ -102,7 +102,7 @@ class SerialWire {
 
 /// An emulated device on a serial line, with the host's end of that line. Bytes take their time in both
 /// directions; the cable can be pulled.
-class EmulatedPort final : public DeviceLine, public ByteSink {
+class EmulatedPort final : public EmulatedLine, public ByteSink {
  public:
   explicit EmulatedPort(std::uint64_t seed);
 
@@ -143,7 +143,7 @@ class EmulatedPort final : public DeviceLine, public ByteSink {
   /// Ends a CableOut at once; nothing when the cable is in.
   void plug_in();
 
-  // DeviceLine
+  // EmulatedLine
   [[nodiscard]] Stamp next_event() const override;
   [[nodiscard]] Stamp next_delivery() const override;
   void advance(Stamp now) override;

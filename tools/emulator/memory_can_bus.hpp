@@ -27,7 +27,7 @@ namespace slamsensor::tools {
 /// A CAN bus in memory: frames take their bits' time, one at a time; when several nodes want the bus, the
 /// lowest identifier goes first. A node's own frames keep their order. Every node sees the frames of all
 /// others. Hosts are nodes whose interface can be down or bus-off.
-class MemoryCanBus final : public DeviceLine {
+class MemoryCanBus final : public EmulatedLine {
  public:
   struct Arrival {
     hal::CanFrame frame;

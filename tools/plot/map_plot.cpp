@@ -82,7 +82,7 @@ void draw_dot(SvgWriter& svg, const PoseMark& pose, double radius_px) {
 }
 
 /// The poses of `plot` that have a place, in order.
-std::vector<PoseMark> pose_marks(const MapPlot& plot, const MapFrame& frame) {
+std::vector<PoseMark> pose_marks(const MapPlot& plot, const MapPanel& frame) {
   std::vector<PoseMark> marks;
   bool previous_is_fix = false;
   for (const PlotPose& pose : plot.poses) {
@@ -96,7 +96,7 @@ std::vector<PoseMark> pose_marks(const MapPlot& plot, const MapFrame& frame) {
   return marks;
 }
 
-MarkSizes mark_sizes(const MapPlot& plot, const MapFrame& frame, const std::vector<PoseMark>& poses) {
+MarkSizes mark_sizes(const MapPlot& plot, const MapPanel& frame, const std::vector<PoseMark>& poses) {
   MarkSizes sizes;
   const double area_px2 = frame.area.width() * frame.area.height();
   const double room_px =
@@ -113,7 +113,7 @@ MarkSizes mark_sizes(const MapPlot& plot, const MapFrame& frame, const std::vect
 }
 
 /// All landmarks as crosses, one path per class of xi.
-void draw_landmarks(SvgWriter& svg, const MapPlot& plot, const MapFrame& frame, const MarkSizes& sizes) {
+void draw_landmarks(SvgWriter& svg, const MapPlot& plot, const MapPanel& frame, const MarkSizes& sizes) {
   unsigned max_xi = 0;
   for (const PlotLandmark& landmark : plot.landmarks) max_xi = std::max(max_xi, landmark.xi);
   const std::vector<XiClass> classes = xi_classes(max_xi);
@@ -128,7 +128,7 @@ void draw_landmarks(SvgWriter& svg, const MapPlot& plot, const MapFrame& frame, 
 }
 
 /// Lines from the last pose to the landmarks it matched, and a ring around each.
-void draw_matches(SvgWriter& svg, const MapPlot& plot, const MapFrame& frame, const MarkSizes& sizes,
+void draw_matches(SvgWriter& svg, const MapPlot& plot, const MapPanel& frame, const MarkSizes& sizes,
                   const std::vector<PoseMark>& poses) {
   if (poses.empty()) return;
   PathData rays;
@@ -144,7 +144,7 @@ void draw_matches(SvgWriter& svg, const MapPlot& plot, const MapFrame& frame, co
 }
 
 /// The true path, thin and dashed.
-void draw_truth(SvgWriter& svg, const MapPlot& plot, const MapFrame& frame) {
+void draw_truth(SvgWriter& svg, const MapPlot& plot, const MapPanel& frame) {
   PathData data;
   for (const core::Pose2& pose : plot.truth_W) {
     const core::Point2 at_px = frame.to_px(pose.translation());
@@ -255,7 +255,7 @@ void write(SvgWriter& svg, const Label& label) {
 
 /// Writes scan numbers beside poses. No two overlap. The numbers of the first and the last pose are always
 /// there; of the others, if asked for, the multiples of a round step that find a place.
-void draw_labels(SvgWriter& svg, const MapFrame& frame, const MarkSizes& sizes,
+void draw_labels(SvgWriter& svg, const MapPanel& frame, const MarkSizes& sizes,
                  const std::vector<PoseMark>& poses, Numbers numbers) {
   svg.open_group(
       "font-size=\"10\" text-anchor=\"middle\" fill=\"" + std::string(kInk) +
@@ -351,7 +351,7 @@ double colour_bar(SvgWriter& svg, const MapPlot& plot, core::Point2 corner_px) {
   return corner_px.y();
 }
 
-double scale_bar(SvgWriter& svg, const MapFrame& frame, const core::Point2& corner_px) {
+double scale_bar(SvgWriter& svg, const MapPanel& frame, const core::Point2& corner_px) {
   const double length_m = round_step_down(kScaleMax_px / frame.px_per_m);
   const double length_px = length_m * frame.px_per_m;
   const double y = corner_px.y() + 16.0;
@@ -367,7 +367,7 @@ double scale_bar(SvgWriter& svg, const MapFrame& frame, const core::Point2& corn
 
 /// Draws the key of the marks that `plot` has, the colour bar of xi and the scale bar, with the upper left
 /// corner at `corner_px`. Returns the y of its lower end, px.
-double draw_map_legend(SvgWriter& svg, const MapPlot& plot, const MapFrame& frame,
+double draw_map_legend(SvgWriter& svg, const MapPlot& plot, const MapPanel& frame,
                        const core::Point2& corner_px) {
   Key key(svg, corner_px);
   if (!plot.landmarks.empty()) {
@@ -392,12 +392,12 @@ FrameSize size_beside_detail() {
   return {{560.0, 560.0}, {340.0, 300.0}};
 }
 
-FrameSize size_of_detail(const MapFrame& map) {
+FrameSize size_of_detail(const MapPanel& map) {
   return {{400.0, map.area.height()}, {280.0, std::min(280.0, map.area.height())}};
 }
 
 // The path is so small a part of the map that its poses cannot be told apart there.
-bool needs_detail(const MapPlot& plot, const MapFrame& map) {
+bool needs_detail(const MapPlot& plot, const MapPanel& map) {
   const std::vector<PoseMark> poses = pose_marks(plot, map);
   Eigen::AlignedBox2d path;
   for (const PoseMark& pose : poses) {
@@ -409,7 +409,7 @@ bool needs_detail(const MapPlot& plot, const MapFrame& map) {
   return is_small && path.sizes().maxCoeff() > 1.0 && mark_sizes(plot, map, poses).spacing_px < kCrowded_px;
 }
 
-void draw_panel(SvgWriter& svg, const MapPlot& plot, const MapFrame& frame, std::string_view name,
+void draw_panel(SvgWriter& svg, const MapPlot& plot, const MapPanel& frame, std::string_view name,
                 Numbers numbers) {
   const std::vector<PoseMark> poses = pose_marks(plot, frame);
   const MarkSizes sizes = mark_sizes(plot, frame, poses);
@@ -424,15 +424,15 @@ void draw_panel(SvgWriter& svg, const MapPlot& plot, const MapFrame& frame, std:
 }
 
 // The part of the map that the detail shows, in the map.
-void draw_outline(SvgWriter& svg, const MapFrame& map, const MapFrame& detail) {
+void draw_outline(SvgWriter& svg, const MapPanel& map, const MapPanel& detail) {
   const core::Point2 low = map.to_px(detail.low_W);
   const core::Point2 high = map.to_px(detail.high_W);
   svg.rect({low.x(), high.y(), high.x(), low.y()}, stroke(kSoftInk, 0.8));
 }
 
 struct Panels {
-  MapFrame map;
-  std::optional<MapFrame> detail;
+  MapPanel map;
+  std::optional<MapPanel> detail;
   double width_px = 0.0;  // of the whole picture
 };
 
@@ -445,7 +445,7 @@ Panels lay_out(const MapPlot& plot, double top_px) {
   panels.map = moved_to(panels.map, {left_margin_px(panels.map), top_px});
   double right_px = panels.map.area.right;
   if (has_detail) {
-    const MapFrame detail = frame_fixes(plot, size_of_detail(panels.map));
+    const MapPanel detail = frame_fixes(plot, size_of_detail(panels.map));
     panels.detail = moved_to(detail, {right_px + kMargin_px + left_margin_px(detail), top_px});
     right_px = panels.detail->area.right;
   }
@@ -454,7 +454,7 @@ Panels lay_out(const MapPlot& plot, double top_px) {
 }
 
 // The landmarks that `frame` shows; with fewer of them there is room for larger crosses.
-MapPlot shown_in(const MapFrame& frame, const MapPlot& plot) {
+MapPlot shown_in(const MapPanel& frame, const MapPlot& plot) {
   MapPlot part = plot;
   const Eigen::AlignedBox2d box(frame.low_W, frame.high_W);
   std::erase_if(part.landmarks, [&](const PlotLandmark& landmark) {
@@ -510,10 +510,10 @@ Eigen::AlignedBox2d extent(const MapPlot& plot) {
   return box;
 }
 
-MapFrame frame_box(const Eigen::AlignedBox2d& box, const FrameSize& size) {
+MapPanel frame_box(const Eigen::AlignedBox2d& box, const FrameSize& size) {
   const double room_m = kRoom * std::max(box.sizes().maxCoeff(), kRangeMin_m);
   core::Point2 range_m = (box.sizes() + core::Point2::Constant(2.0 * room_m)).cwiseMax(kRangeMin_m);
-  MapFrame frame;
+  MapPanel frame;
   frame.px_per_m = size.max_px.cwiseQuotient(range_m).minCoeff();
   // A long and narrow map gets room across, so that axes and labels keep theirs.
   range_m = range_m.cwiseMax(size.min_px / frame.px_per_m);
@@ -537,11 +537,11 @@ MapPlot drawable(const MapPlot& plot) {
   return result;
 }
 
-MapFrame frame_map(const MapPlot& plot, const FrameSize& size) {
+MapPanel frame_map(const MapPlot& plot, const FrameSize& size) {
   return frame_box(extent(plot), size);
 }
 
-MapFrame frame_fixes(const MapPlot& plot, const FrameSize& size) {
+MapPanel frame_fixes(const MapPlot& plot, const FrameSize& size) {
   Eigen::AlignedBox2d box;
   for (const PlotPose& pose : plot.poses) {
     if (pose.status == core::FixStatus::Fix) box.extend(pose.pose_W.translation());
@@ -549,14 +549,14 @@ MapFrame frame_fixes(const MapPlot& plot, const FrameSize& size) {
   return frame_box(box, size);
 }
 
-MapFrame moved_to(const MapFrame& frame, const core::Point2& corner_px) {
-  MapFrame moved = frame;
+MapPanel moved_to(const MapPanel& frame, const core::Point2& corner_px) {
+  MapPanel moved = frame;
   moved.area = {corner_px.x(), corner_px.y(), corner_px.x() + frame.area.width(),
                 corner_px.y() + frame.area.height()};
   return moved;
 }
 
-double left_margin_px(const MapFrame& frame) {
+double left_margin_px(const MapPanel& frame) {
   const double step_m = round_step_up(kTickSpacing_px / frame.px_per_m);
   double widest_px = 0.0;
   for (const double y : linear_ticks(frame.low_W.y(), frame.high_W.y(), step_m)) {
@@ -565,7 +565,7 @@ double left_margin_px(const MapFrame& frame) {
   return widest_px + kTickGap_px + kAxisTitle_px;
 }
 
-void draw_map_axes(SvgWriter& svg, const MapFrame& frame) {
+void draw_map_axes(SvgWriter& svg, const MapPanel& frame) {
   const PixelBox& area = frame.area;
   const double step_m = round_step_up(kTickSpacing_px / frame.px_per_m);
   const std::vector<double> xs = linear_ticks(frame.low_W.x(), frame.high_W.x(), step_m);

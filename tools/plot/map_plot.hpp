@@ -41,7 +41,7 @@ struct MapPlot {
 [[nodiscard]] std::string draw_map(const MapPlot& plot);
 
 /// Where the map stands in the picture, with the same scale in both directions.
-struct MapFrame {
+struct MapPanel {
   PixelBox area;  ///< of the map, px
   double px_per_m = 1.0;
   core::Point2 low_W = core::Point2::Zero();  ///< at the area's lower left corner, m
@@ -63,18 +63,18 @@ struct FrameSize {
 
 /// A frame with its upper left corner at (0, 0) that shows everything in `plot` (drawable) with some room
 /// around.
-[[nodiscard]] MapFrame frame_map(const MapPlot& plot, const FrameSize& size);
+[[nodiscard]] MapPanel frame_map(const MapPlot& plot, const FrameSize& size);
 
 /// The same for the poses that are fixes alone, of which there is at least one.
-[[nodiscard]] MapFrame frame_fixes(const MapPlot& plot, const FrameSize& size);
+[[nodiscard]] MapPanel frame_fixes(const MapPlot& plot, const FrameSize& size);
 
 /// `frame` with its upper left corner at `corner_px`.
-[[nodiscard]] MapFrame moved_to(const MapFrame& frame, const core::Point2& corner_px);
+[[nodiscard]] MapPanel moved_to(const MapPanel& frame, const core::Point2& corner_px);
 
 /// What the tick values and the title of the y axis need left of the map, px.
-[[nodiscard]] double left_margin_px(const MapFrame& frame);
+[[nodiscard]] double left_margin_px(const MapPanel& frame);
 
 /// Grid, frame, ticks, tick values and axis titles of the map.
-void draw_map_axes(SvgWriter& svg, const MapFrame& frame);
+void draw_map_axes(SvgWriter& svg, const MapPanel& frame);
 
 }  // namespace slamsensor::tools

@@ -82,7 +82,7 @@ void FixMessages::write(const core::Fix& fix, std::span<const core::ScanLandmark
   first_fix_ = fix.status == core::FixStatus::Fix && !first_fix_ ? now : first_fix_;
   report.time_to_first_fix = first_fix_;
   publisher_->publish(report);
-  publisher_->publish(firmware::ScanView{report.initialization, fix.scan, fix.time, landmarks});
+  publisher_->publish(firmware::LcmScanView{report.initialization, fix.scan, fix.time, landmarks});
   std::array<char, firmware::kNmeaEpochBytesMax> epoch{};
   const auto context =
       firmware::nmea_context(config_.nmea, geo_ ? &*geo_ : nullptr, firmware::NmeaMode::Simulated);

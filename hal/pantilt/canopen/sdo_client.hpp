@@ -90,7 +90,7 @@ inline constexpr std::array<std::string_view, 22> kCanopenEventNames{
     "positions_silent", "positions_unpaired",  "positions_dropped", "moves_refused",    "moves_rejected",
     "moves_repeated",   "moves_lost"};
 
-using CanopenCounters = Counters<CanopenEvent, kCanopenEventNames.size()>;
+using CanopenCounters = EventCounters<CanopenEvent, kCanopenEventNames.size()>;
 
 struct SdoRequest {
   enum class Kind : std::uint8_t { Read, ReadText, Write };

@@ -10,38 +10,38 @@ constexpr std::uint16_t kEnableVoltage = 0x0002;
 constexpr std::uint16_t kNoQuickStop = 0x0004;
 constexpr std::uint16_t kFaultReset = 0x0080;
 
-std::uint16_t state_bits(DriveState state) noexcept {
+std::uint16_t state_bits(PowerState state) noexcept {
   switch (state) {
-    case DriveState::NotReady:
+    case PowerState::NotReady:
       return 0x0000;
-    case DriveState::SwitchOnDisabled:
+    case PowerState::SwitchOnDisabled:
       return 0x0250;
-    case DriveState::ReadyToSwitchOn:
+    case PowerState::ReadyToSwitchOn:
       return 0x0231;
-    case DriveState::SwitchedOn:
+    case PowerState::SwitchedOn:
       return 0x0233;
-    case DriveState::OperationEnabled:
+    case PowerState::OperationEnabled:
       return 0x0237;
-    case DriveState::QuickStopActive:
+    case PowerState::QuickStopActive:
       return 0x0217;
-    case DriveState::FaultReaction:
+    case PowerState::FaultReaction:
       return 0x021F;
-    case DriveState::Fault:
+    case PowerState::Fault:
       break;
   }
   return 0x0218;
 }
 
-bool has_power(DriveState state) noexcept {
-  return state == DriveState::OperationEnabled || state == DriveState::QuickStopActive ||
-         state == DriveState::FaultReaction;
+bool has_power(PowerState state) noexcept {
+  return state == PowerState::OperationEnabled || state == PowerState::QuickStopActive ||
+         state == PowerState::FaultReaction;
 }
 
 }  // namespace
 
 void DriveControl::start(Stamp now) {
   axis_.freeze(now);
-  state_ = DriveState::SwitchOnDisabled;
+  state_ = PowerState::SwitchOnDisabled;
   next_state_.reset();
   word_ = 0;
   mode_ = 0;
@@ -61,34 +61,34 @@ void DriveControl::cut(Stamp now) {
   start(now);
   held_until_ = Stamp{};
   knows_zero_ = settings_.memory == DriveMemory::Absolute;
-  state_ = DriveState::NotReady;
+  state_ = PowerState::NotReady;
 }
 
 void DriveControl::set_controlword(std::uint16_t word, Stamp now) {
   const auto rising = static_cast<std::uint16_t>(word & ~word_);
   const auto falling = static_cast<std::uint16_t>(word_ & ~word);
   word_ = word;
-  if ((rising & kFaultReset) != 0 && state_ == DriveState::Fault) {
+  if ((rising & kFaultReset) != 0 && state_ == PowerState::Fault) {
     if (now >= held_until_) {
       error_ = {};
       report_ = error_;
-      state_ = DriveState::SwitchOnDisabled;
+      state_ = PowerState::SwitchOnDisabled;
     }
     return;
   }
-  const bool was_enabled = state_ == DriveState::OperationEnabled;
+  const bool was_enabled = state_ == PowerState::OperationEnabled;
   change_state(word, now);
-  if (state_ == DriveState::OperationEnabled && was_enabled && !is_jammed_) {
+  if (state_ == PowerState::OperationEnabled && was_enabled && !is_jammed_) {
     obey_mode(word, static_cast<std::uint16_t>(rising | falling), now);
   }
 }
 
 void DriveControl::change_state(std::uint16_t word, Stamp now) {
-  if (state_ == DriveState::Fault || state_ == DriveState::FaultReaction || state_ == DriveState::NotReady) {
+  if (state_ == PowerState::Fault || state_ == PowerState::FaultReaction || state_ == PowerState::NotReady) {
     return;
   }
   if ((word & kEnableVoltage) == 0) {
-    return leave_power(DriveState::SwitchOnDisabled, now);
+    return leave_power(PowerState::SwitchOnDisabled, now);
   }
   if ((word & kNoQuickStop) == 0) {
     return quick_stop(now);
@@ -96,26 +96,26 @@ void DriveControl::change_state(std::uint16_t word, Stamp now) {
   const bool switches_on = (word & 1U) != 0;
   const bool enables = (word & 8U) != 0;
   if (!switches_on) {
-    if (state_ != DriveState::QuickStopActive) {
-      leave_power(DriveState::ReadyToSwitchOn, now);
+    if (state_ != PowerState::QuickStopActive) {
+      leave_power(PowerState::ReadyToSwitchOn, now);
     }
-  } else if (state_ == DriveState::QuickStopActive) {
+  } else if (state_ == PowerState::QuickStopActive) {
     if (enables) {
       enable(now);
     }
-  } else if (state_ == DriveState::OperationEnabled && !enables) {
-    ramp_to(DriveState::SwitchedOn, objects_.value(object::kDeceleration), now);
-  } else if (state_ == DriveState::OperationEnabled) {
+  } else if (state_ == PowerState::OperationEnabled && !enables) {
+    ramp_to(PowerState::SwitchedOn, objects_.value(object::kDeceleration), now);
+  } else if (state_ == PowerState::OperationEnabled) {
     next_state_.reset();
-  } else if (state_ != DriveState::SwitchOnDisabled) {
-    state_ = DriveState::SwitchedOn;
+  } else if (state_ != PowerState::SwitchOnDisabled) {
+    state_ = PowerState::SwitchedOn;
     if (enables) {
       enable(now);
     }
   }
 }
 
-void DriveControl::leave_power(DriveState state, Stamp now) {
+void DriveControl::leave_power(PowerState state, Stamp now) {
   if (has_power(state_)) {
     axis_.freeze(now);
     running_.reset();
@@ -131,7 +131,7 @@ void DriveControl::leave_power(DriveState state, Stamp now) {
 
 void DriveControl::enable(Stamp now) {
   next_state_.reset();
-  state_ = DriveState::OperationEnabled;
+  state_ = PowerState::OperationEnabled;
   last_target_ = axis_.position(now);
   is_limited_ = false;
   if (mode_ == 3) {
@@ -139,7 +139,7 @@ void DriveControl::enable(Stamp now) {
   }
 }
 
-void DriveControl::ramp_to(DriveState state, std::int64_t deceleration, Stamp now) {
+void DriveControl::ramp_to(PowerState state, std::int64_t deceleration, Stamp now) {
   if (next_state_ == state) {
     return;
   }
@@ -152,37 +152,37 @@ void DriveControl::ramp_to(DriveState state, std::int64_t deceleration, Stamp no
 }
 
 void DriveControl::quick_stop(Stamp now) {
-  if (state_ == DriveState::ReadyToSwitchOn || state_ == DriveState::SwitchedOn) {
-    state_ = DriveState::SwitchOnDisabled;
+  if (state_ == PowerState::ReadyToSwitchOn || state_ == PowerState::SwitchedOn) {
+    state_ = PowerState::SwitchOnDisabled;
   }
-  if (state_ != DriveState::OperationEnabled) {
+  if (state_ != PowerState::OperationEnabled) {
     return;
   }
   const std::int64_t option = objects_.value(object::kQuickStopOption);
   if (option == 0) {
-    return leave_power(DriveState::SwitchOnDisabled, now);
+    return leave_power(PowerState::SwitchOnDisabled, now);
   }
   const bool is_slow = option == 1 || option == 5;
   const bool stays = option >= 5;
-  state_ = DriveState::QuickStopActive;
+  state_ = PowerState::QuickStopActive;
   next_state_.reset();
-  ramp_to(stays ? DriveState::QuickStopActive : DriveState::SwitchOnDisabled,
+  ramp_to(stays ? PowerState::QuickStopActive : PowerState::SwitchOnDisabled,
           objects_.value(is_slow ? object::kDeceleration : object::kQuickStop), now);
 }
 
 void DriveControl::fail(const DriveError& error, Stamp now, Stamp held_until) {
-  if (state_ == DriveState::Fault || state_ == DriveState::FaultReaction || state_ == DriveState::NotReady) {
+  if (state_ == PowerState::Fault || state_ == PowerState::FaultReaction || state_ == PowerState::NotReady) {
     return;
   }
   error_ = error;
   report_ = error;
   held_until_ = held_until;
   if (has_power(state_) && axis_.is_moving(now)) {
-    state_ = DriveState::FaultReaction;
+    state_ = PowerState::FaultReaction;
     next_state_.reset();
-    ramp_to(DriveState::Fault, objects_.value(object::kQuickStop), now);
+    ramp_to(PowerState::Fault, objects_.value(object::kQuickStop), now);
   } else {
-    leave_power(DriveState::Fault, now);
+    leave_power(PowerState::Fault, now);
   }
 }
 
@@ -205,7 +205,7 @@ void DriveControl::step(Stamp now) {
     jam(now);
   }
   if (jammed_at_ <= now) {
-    state_ == DriveState::FaultReaction ? leave_power(DriveState::Fault, now)
+    state_ == PowerState::FaultReaction ? leave_power(PowerState::Fault, now)
                                         : fail({0x8611, 0x21}, now, now);
     return;
   }
@@ -214,8 +214,8 @@ void DriveControl::step(Stamp now) {
   }
   step_at_ = hal::kNever;
   if (next_state_) {
-    const DriveState state = *next_state_;
-    state == DriveState::QuickStopActive ? next_state_.reset() : leave_power(state, now);
+    const PowerState state = *next_state_;
+    state == PowerState::QuickStopActive ? next_state_.reset() : leave_power(state, now);
   } else if (homing_ == Homing::Running) {
     end_homing(now);
   } else if (mode_ == 3) {
@@ -273,7 +273,7 @@ void DriveControl::set_mode(std::int8_t mode, Stamp now) {
   is_limited_ = false;
   running_.reset();
   buffered_.reset();
-  if (state_ != DriveState::OperationEnabled || next_state_ || is_jammed_) {
+  if (state_ != PowerState::OperationEnabled || next_state_ || is_jammed_) {
     return;
   }
   last_target_ = axis_.position(now);
@@ -298,7 +298,7 @@ double DriveControl::bounded(double target) {
 }
 
 void DriveControl::set_target_velocity(Stamp now) {
-  if (state_ != DriveState::OperationEnabled || mode_ != kVelocity || next_state_ || is_jammed_ ||
+  if (state_ != PowerState::OperationEnabled || mode_ != kVelocity || next_state_ || is_jammed_ ||
       (word_ & kHalt) != 0) {
     return;
   }
@@ -413,10 +413,10 @@ void DriveControl::end_homing(Stamp now) {
 }
 
 std::uint16_t DriveControl::mode_bits(Stamp now) const {
-  if (state_ == DriveState::Fault || state_ == DriveState::FaultReaction) {
+  if (state_ == PowerState::Fault || state_ == PowerState::FaultReaction) {
     return error_.code == 0x8611 && mode_ == kPosition ? kModeBit13 : 0;
   }
-  if (state_ != DriveState::OperationEnabled && state_ != DriveState::QuickStopActive) {
+  if (state_ != PowerState::OperationEnabled && state_ != PowerState::QuickStopActive) {
     return 0;
   }
   const bool is_reached = is_ready(now) && !is_jammed_ && step_at_ > now;

@@ -8,7 +8,7 @@
 namespace slamsensor::tools {
 
 /// CiA 402, power drive system state machine.
-enum class DriveState : std::uint8_t {
+enum class PowerState : std::uint8_t {
   NotReady,
   SwitchOnDisabled,
   ReadyToSwitchOn,
@@ -60,7 +60,7 @@ class DriveControl {
   /// The word as at `now`.
   [[nodiscard]] std::uint16_t statusword(Stamp now) const;
   [[nodiscard]] std::int8_t mode() const noexcept { return mode_; }
-  [[nodiscard]] DriveState state() const noexcept { return state_; }
+  [[nodiscard]] PowerState state() const noexcept { return state_; }
   [[nodiscard]] const DriveError& error() const noexcept { return error_; }
 
   /// The error that came or went since the last call.
@@ -74,9 +74,9 @@ class DriveControl {
   };
 
   void change_state(std::uint16_t word, Stamp now);
-  void leave_power(DriveState state, Stamp now);
+  void leave_power(PowerState state, Stamp now);
   void enable(Stamp now);
-  void ramp_to(DriveState state, std::int64_t deceleration, Stamp now);
+  void ramp_to(PowerState state, std::int64_t deceleration, Stamp now);
   void quick_stop(Stamp now);
   void obey_mode(std::uint16_t word, std::uint16_t rising, Stamp now);
   void halt(Stamp now);
@@ -95,8 +95,8 @@ class DriveControl {
   const DriveSettings& settings_;
   const ObjectDictionary& objects_;
   DriveAxis& axis_;
-  DriveState state_ = DriveState::NotReady;
-  std::optional<DriveState> next_state_;  // when the axis stands
+  PowerState state_ = PowerState::NotReady;
+  std::optional<PowerState> next_state_;  // when the axis stands
   std::uint16_t word_ = 0;
   std::int8_t mode_ = 0;
   DriveError error_;

@@ -39,7 +39,7 @@ class EmulatedDrive final : public EmulatedCanDevice, private ObjectKeeper {
   [[nodiscard]] bool is_moving(Stamp at) const { return axis_.is_moving(at); }
 
   [[nodiscard]] NodeState node_state() const noexcept { return node_state_; }
-  [[nodiscard]] DriveState drive_state() const noexcept { return control_.state(); }
+  [[nodiscard]] PowerState drive_state() const noexcept { return control_.state(); }
 
   /// Frames that made no sense to it: PDOs too short, SDO requests that are not 8 bytes.
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }

@@ -44,35 +44,35 @@ struct AsciiCall {
   [[nodiscard]] PtuAxisId axis() const { return letters[0] == 'P' ? PtuAxisId::Pan : PtuAxisId::Tilt; }
   [[nodiscard]] PtuAxisConfig& parameters() const { return unit.head.parameters(axis()); }
 
-  [[nodiscard]] PtuAnswer ok() const { return {.bytes = "*\r\n"}; }
-  [[nodiscard]] PtuAnswer text(std::string_view said) const {
+  [[nodiscard]] AsciiAnswer ok() const { return {.bytes = "*\r\n"}; }
+  [[nodiscard]] AsciiAnswer text(std::string_view said) const {
     return {.bytes = "* " + std::string(said) + "\r\n"};
   }
-  [[nodiscard]] PtuAnswer text(std::string_view said, std::string_view terse) const {
+  [[nodiscard]] AsciiAnswer text(std::string_view said, std::string_view terse) const {
     return text(unit.head.config.feedback == PtuFeedback::Verbose ? said : terse);
   }
-  [[nodiscard]] PtuAnswer error(std::string_view said) const {
+  [[nodiscard]] AsciiAnswer error(std::string_view said) const {
     return {.bytes = "! " + std::string(said) + "\r\n"};
   }
-  [[nodiscard]] PtuAnswer illegal() const { return error(words().illegal_argument); }
-  [[nodiscard]] PtuAnswer judged(const PtuRefusal& refusal) const {
+  [[nodiscard]] AsciiAnswer illegal() const { return error(words().illegal_argument); }
+  [[nodiscard]] AsciiAnswer judged(const PtuRefusal& refusal) const {
     return refusal.empty() ? ok() : error(refusal);
   }
 
   /// `value` of the axis, in a sentence or alone.
-  [[nodiscard]] PtuAnswer report(const std::string& pattern, const std::string& value) const {
+  [[nodiscard]] AsciiAnswer report(const std::string& pattern, const std::string& value) const {
     return text(worded(pattern, axis() == PtuAxisId::Pan ? "Pan" : "Tilt", value), value);
   }
-  [[nodiscard]] PtuAnswer report(const std::string& pattern, long value) const {
+  [[nodiscard]] AsciiAnswer report(const std::string& pattern, long value) const {
     return report(pattern, std::to_string(value));
   }
 };
 
-using AsciiHandler = PtuAnswer (*)(const AsciiCall&);
+using AsciiHandler = AsciiAnswer (*)(const AsciiCall&);
 
 // Commands of one axis.
 
-PtuAnswer position(const AsciiCall& call) {
+AsciiAnswer position(const AsciiCall& call) {
   if (call.is_query()) {
     const Stamp seen = call.now - call.unit.settings.position_latency;
     return call.report(call.words().current_position, call.head().axis(call.axis()).position(seen));
@@ -81,8 +81,8 @@ PtuAnswer position(const AsciiCall& call) {
   return target ? call.judged(call.head().set_position(call.axis(), *target, call.now)) : call.illegal();
 }
 
-PtuAnswer offset(const AsciiCall& call) {
-  const PtuAxis& axis = call.head().axis(call.axis());
+AsciiAnswer offset(const AsciiCall& call) {
+  const StepperAxis& axis = call.head().axis(call.axis());
   if (call.is_query()) {
     return call.report(call.words().desired_position, axis.target());
   }
@@ -92,7 +92,7 @@ PtuAnswer offset(const AsciiCall& call) {
              : call.illegal();
 }
 
-PtuAnswer speed(const AsciiCall& call) {
+AsciiAnswer speed(const AsciiCall& call) {
   if (call.is_query()) {
     return call.report(call.words().desired_speed, call.head().desired_speed(call.axis()));
   }
@@ -100,7 +100,7 @@ PtuAnswer speed(const AsciiCall& call) {
   return value ? call.judged(call.head().set_speed(call.axis(), *value, call.now)) : call.illegal();
 }
 
-PtuAnswer speed_offset(const AsciiCall& call) {
+AsciiAnswer speed_offset(const AsciiCall& call) {
   const long current = call.head().current_speed(call.axis(), call.now);
   if (call.is_query()) {
     return call.report(call.words().current_speed, current);
@@ -112,52 +112,52 @@ PtuAnswer speed_offset(const AsciiCall& call) {
 using TableSetter = PtuRefusal (PtuHead::*)(PtuAxisId, long, Stamp);
 
 /// Sets what the speed tables are computed from: the answer comes when they are.
-PtuAnswer set_table(const AsciiCall& call, TableSetter set, Stamp time) {
+AsciiAnswer set_table(const AsciiCall& call, TableSetter set, Stamp time) {
   const auto value = call.number();
   if (!value) {
     return call.illegal();
   }
   const PtuRefusal refusal = (call.head().*set)(call.axis(), *value, call.now);
-  PtuAnswer answer = call.judged(refusal);
+  AsciiAnswer answer = call.judged(refusal);
   if (refusal.empty()) {
-    answer.wait = PtuAnswer::Wait::Time;
+    answer.wait = AsciiAnswer::Wait::Time;
     answer.time = time;
   }
   return answer;
 }
 
-PtuAnswer acceleration(const AsciiCall& call) {
+AsciiAnswer acceleration(const AsciiCall& call) {
   return call.is_query()
              ? call.report(call.words().acceleration, call.parameters().acceleration)
              : set_table(call, &PtuHead::set_acceleration, call.unit.settings.table_times.acceleration);
 }
 
-PtuAnswer base_speed(const AsciiCall& call) {
+AsciiAnswer base_speed(const AsciiCall& call) {
   return call.is_query() ? call.report(call.words().base_speed, call.parameters().base_speed)
                          : set_table(call, &PtuHead::set_base_speed, call.unit.settings.table_times.base);
 }
 
-PtuAnswer upper_speed(const AsciiCall& call) {
+AsciiAnswer upper_speed(const AsciiCall& call) {
   return call.is_query() ? call.report(call.words().max_speed, call.parameters().upper_speed)
                          : set_table(call, &PtuHead::set_upper_speed, call.unit.settings.table_times.upper);
 }
 
-PtuAnswer lower_speed(const AsciiCall& call) {
+AsciiAnswer lower_speed(const AsciiCall& call) {
   return call.is_query() ? call.report(call.words().min_speed, call.parameters().lower_speed)
                          : set_table(call, &PtuHead::set_lower_speed, call.unit.settings.table_times.lower);
 }
 
-PtuAnswer min_position(const AsciiCall& call) {
+AsciiAnswer min_position(const AsciiCall& call) {
   return call.is_query() ? call.report(call.words().min_position, call.head().axis(call.axis()).min())
                          : call.illegal();
 }
 
-PtuAnswer max_position(const AsciiCall& call) {
+AsciiAnswer max_position(const AsciiCall& call) {
   return call.is_query() ? call.report(call.words().max_position, call.head().axis(call.axis()).max())
                          : call.illegal();
 }
 
-PtuAnswer resolution(const AsciiCall& call) {
+AsciiAnswer resolution(const AsciiCall& call) {
   if (!call.is_query()) {
     return call.illegal();
   }
@@ -172,7 +172,7 @@ PtuAnswer resolution(const AsciiCall& call) {
 
 /// Obeys a word that has no argument.
 template <typename Action>
-PtuAnswer plain(const AsciiCall& call, Action action) {
+AsciiAnswer plain(const AsciiCall& call, Action action) {
   if (!call.is_query()) {
     return call.illegal();
   }
@@ -180,18 +180,18 @@ PtuAnswer plain(const AsciiCall& call, Action action) {
   return call.ok();
 }
 
-PtuAnswer set_execution(const AsciiCall& call) {
+AsciiAnswer set_execution(const AsciiCall& call) {
   const auto execution = call.letters == "I" ? PtuExecution::Immediate : PtuExecution::Slaved;
   return plain(call, [&] { call.head().set_execution(execution, call.now); });
 }
 
-PtuAnswer await(const AsciiCall& call) {
-  PtuAnswer answer = plain(call, [&] { call.head().release(call.now); });
-  answer.wait = call.is_query() ? PtuAnswer::Wait::Motion : PtuAnswer::Wait::None;
+AsciiAnswer await(const AsciiCall& call) {
+  AsciiAnswer answer = plain(call, [&] { call.head().release(call.now); });
+  answer.wait = call.is_query() ? AsciiAnswer::Wait::Motion : AsciiAnswer::Wait::None;
   return answer;
 }
 
-PtuAnswer halt(const AsciiCall& call) {
+AsciiAnswer halt(const AsciiCall& call) {
   return plain(call, [&] {
     if (call.letters != "HT") {
       call.head().halt(PtuAxisId::Pan, call.now);
@@ -202,39 +202,39 @@ PtuAnswer halt(const AsciiCall& call) {
   });
 }
 
-PtuAnswer control(const AsciiCall& call) {
+AsciiAnswer control(const AsciiCall& call) {
   const bool is_independent = call.head().config.control == PtuControl::Independent;
   return call.text(is_independent ? call.words().independent : call.words().velocity);
 }
 
-PtuAnswer set_control(const AsciiCall& call) {
+AsciiAnswer set_control(const AsciiCall& call) {
   const auto control = call.letters == "CI" ? PtuControl::Independent : PtuControl::Velocity;
   return plain(call, [&] { call.head().set_control(control, call.now); });
 }
 
-PtuAnswer limits(const AsciiCall& call) {
+AsciiAnswer limits(const AsciiCall& call) {
   const bool are_on = call.head().config.limits == PtuLimits::On;
   return call.text(are_on ? call.words().limits_on : call.words().limits_off);
 }
 
-PtuAnswer set_limits(const AsciiCall& call) {
+AsciiAnswer set_limits(const AsciiCall& call) {
   return plain(call,
                [&] { call.head().config.limits = call.letters == "LE" ? PtuLimits::On : PtuLimits::Off; });
 }
 
-PtuAnswer reset(const AsciiCall& call) {
-  PtuAnswer answer = call.ok();
-  answer.wait = PtuAnswer::Wait::Reset;
+AsciiAnswer reset(const AsciiCall& call) {
+  AsciiAnswer answer = call.ok();
+  answer.wait = AsciiAnswer::Wait::Reset;
   return call.is_query() ? answer : call.illegal();
 }
 
-PtuAnswer choose_reset(const AsciiCall& call) {
+AsciiAnswer choose_reset(const AsciiCall& call) {
   const char letter = call.letters[1];
   const PtuAxes axes{letter == 'E' || letter == 'P', letter == 'E' || letter == 'T'};
-  PtuAnswer answer = plain(call, [&] { call.head().config.power_up_reset = axes; });
+  AsciiAnswer answer = plain(call, [&] { call.head().config.power_up_reset = axes; });
   const bool is_done = call.unit.settings.reset_words == PtuResetWords::ChooseAndReset;
   if (call.is_query() && is_done && axes.any()) {
-    answer.wait = PtuAnswer::Wait::Reset;
+    answer.wait = AsciiAnswer::Wait::Reset;
     answer.reset = axes;
   }
   return answer;
@@ -242,49 +242,49 @@ PtuAnswer choose_reset(const AsciiCall& call) {
 
 // Commands of the controller: what it says and remembers, its line.
 
-PtuAnswer echo(const AsciiCall& call) {
+AsciiAnswer echo(const AsciiCall& call) {
   return call.text(call.head().config.echo == PtuEcho::On ? "Echoing ON" : "Echoing OFF");
 }
 
-PtuAnswer set_echo(const AsciiCall& call) {
+AsciiAnswer set_echo(const AsciiCall& call) {
   call.head().config.echo = call.letters == "EE" ? PtuEcho::On : PtuEcho::Off;
   return call.ok();
 }
 
-PtuAnswer feedback(const AsciiCall& call) {
+AsciiAnswer feedback(const AsciiCall& call) {
   const bool is_verbose = call.head().config.feedback == PtuFeedback::Verbose;
   return call.text(is_verbose ? "ASCII verbose mode" : "ASCII terse mode");
 }
 
-PtuAnswer set_feedback(const AsciiCall& call) {
+AsciiAnswer set_feedback(const AsciiCall& call) {
   call.head().config.feedback = call.letters == "FV" ? PtuFeedback::Verbose : PtuFeedback::Terse;
   return call.ok();
 }
 
-PtuAnswer version(const AsciiCall& call) {
+AsciiAnswer version(const AsciiCall& call) {
   return call.text(call.words().version);
 }
 
-PtuAnswer environment(const AsciiCall& call) {
+AsciiAnswer environment(const AsciiCall& call) {
   return call.text("Input 30 VDC @ 86 degF", call.words().environment_terse);
 }
 
-PtuAnswer save(const AsciiCall& call) {
+AsciiAnswer save(const AsciiCall& call) {
   call.unit.save();
   return call.ok();
 }
 
-PtuAnswer restore(const AsciiCall& call) {
+AsciiAnswer restore(const AsciiCall& call) {
   call.unit.restore();
   return call.ok();
 }
 
-PtuAnswer restore_factory(const AsciiCall& call) {
+AsciiAnswer restore_factory(const AsciiCall& call) {
   call.unit.restore_factory();
   return call.ok();
 }
 
-PtuAnswer unit_id(const AsciiCall& call) {
+AsciiAnswer unit_id(const AsciiCall& call) {
   constexpr long kUnitMax = 127;
   std::uint8_t& id = call.head().config.unit_id;
   if (call.is_query()) {
@@ -300,7 +300,7 @@ PtuAnswer unit_id(const AsciiCall& call) {
 }
 
 /// Is never answered: several units hear it.
-PtuAnswer select_unit(const AsciiCall& call) {
+AsciiAnswer select_unit(const AsciiCall& call) {
   if (const auto value = call.number()) {
     call.unit.selected_unit = static_cast<int>(*value);
   }
@@ -323,7 +323,7 @@ std::vector<std::string> bracketed(std::string_view argument) {
 }
 
 /// "@(baud,delay,T|F)" of the host's line; T: also after the next start.
-PtuAnswer host_port(const AsciiCall& call) {
+AsciiAnswer host_port(const AsciiCall& call) {
   constexpr std::array<long, 9> kBauds = {600, 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200};
   if (call.is_query()) {
     return call.ok();
@@ -337,7 +337,7 @@ PtuAnswer host_port(const AsciiCall& call) {
   if (!rate || !delay || *delay < 0 || std::find(kBauds.begin(), kBauds.end(), *rate) == kBauds.end()) {
     return call.illegal();
   }
-  PtuAnswer answer = call.ok();
+  AsciiAnswer answer = call.ok();
   answer.baud = static_cast<std::uint32_t>(*rate);
   if (parts[2] == "T") {
     call.unit.saved.start_baud = *answer.baud;
@@ -394,7 +394,7 @@ bool is_letter(char c) {
 
 }  // namespace
 
-PtuAnswer obey_ascii(PtuUnit& unit, std::string_view text, Stamp now) {
+AsciiAnswer obey_ascii(PtuUnit& unit, std::string_view text, Stamp now) {
   std::string capitals(text);
   std::transform(capitals.begin(), capitals.end(), capitals.begin(),
                  [](char c) { return static_cast<char>(std::toupper(static_cast<unsigned char>(c))); });

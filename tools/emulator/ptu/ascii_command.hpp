@@ -10,7 +10,7 @@
 namespace slamsensor::tools {
 
 /// What a command makes the unit do and say.
-struct PtuAnswer {
+struct AsciiAnswer {
   enum class Wait : std::uint8_t {
     None,    ///< answers after the reply latency
     Motion,  ///< when both axes are still
@@ -33,7 +33,7 @@ struct PtuUnit {
 
   const PtuSettings& settings;
   PtuHead head;
-  PtuConfig saved;  ///< in the EEPROM
+  PtuMemory saved;  ///< in the EEPROM
   std::uint32_t eeprom_writes = 0;
   int selected_unit = 0;  ///< last unit the host has selected; 0: all
 
@@ -60,6 +60,6 @@ struct PtuUnit {
 /// Obeys `text`, which has no delimiter in it and is not empty, and says what to answer (PTU-D46 User's
 /// Manual 2.14, "Command reference"). It knows the commands by which a driver sets up, moves, reads and
 /// resets a unit; to all others it answers as to an illegal command.
-[[nodiscard]] PtuAnswer obey_ascii(PtuUnit& unit, std::string_view text, Stamp now);
+[[nodiscard]] AsciiAnswer obey_ascii(PtuUnit& unit, std::string_view text, Stamp now);
 
 }  // namespace slamsensor::tools

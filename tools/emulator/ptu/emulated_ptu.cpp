@@ -200,23 +200,23 @@ void EmulatedPtu::choose_audience(Stamp now) {
   port_.turn_to(unit_.may_speak() ? PtuAudience::Host : PtuAudience::Store, now);
 }
 
-void EmulatedPtu::begin_answer(const PtuAnswer& answer, Stamp now) {
+void EmulatedPtu::begin_answer(const AsciiAnswer& answer, Stamp now) {
   choose_audience(now);
   if (answer.bytes.empty()) {
     return;
   }
-  if (answer.wait == PtuAnswer::Wait::Reset) {
+  if (answer.wait == AsciiAnswer::Wait::Reset) {
     begin_reset(answer.reset, {.answer = answer}, now);
     return;
   }
   const Stamp latency = latency_.draw() + std::exchange(late_, Stamp{});
-  const Stamp wait = answer.wait == PtuAnswer::Wait::Time ? answer.time : Stamp{};
+  const Stamp wait = answer.wait == AsciiAnswer::Wait::Time ? answer.time : Stamp{};
   pending_ = Pending{now + wait + latency, answer, latency};
 }
 
 // A unit that awaits its motion notices the end when it comes, whatever changes that meanwhile.
 Stamp EmulatedPtu::pending_due() const {
-  if (pending_->answer.wait != PtuAnswer::Wait::Motion || pending_->has_answered) {
+  if (pending_->answer.wait != AsciiAnswer::Wait::Motion || pending_->has_answered) {
     return pending_->due;
   }
   return std::max(pending_->due, unit_.head.still_from() + pending_->latency);
@@ -325,7 +325,7 @@ void EmulatedPtu::greet(Stamp now) {
 }
 
 void EmulatedPtu::begin_reset(const PtuAxes& axes, ResetRun run, Stamp now) {
-  PtuReset reset = unit_.head.begin_reset(axes, std::exchange(jam_, std::nullopt), now);
+  AxesReset reset = unit_.head.begin_reset(axes, std::exchange(jam_, std::nullopt), now);
   hits_.assign(reset.hits.begin(), reset.hits.end());
   run.end = reset.end + latency_.draw() + std::exchange(late_, Stamp{});
   run.failure = std::move(reset.failure);
@@ -414,7 +414,7 @@ void EmulatedPtu::miss_steps(Stamp now) {
   }
   const auto moves = [&](PtuAxisId id) { return unit_.head.axis(id).is_moving(now); };
   const bool is_pan = moves(PtuAxisId::Pan) || (!moves(PtuAxisId::Tilt) && is_chance_pan);
-  PtuAxis& axis = unit_.head.axis(is_pan ? PtuAxisId::Pan : PtuAxisId::Tilt);
+  StepperAxis& axis = unit_.head.axis(is_pan ? PtuAxisId::Pan : PtuAxisId::Tilt);
   const double speed = axis.speed(now);
   axis.miss(now, steps * (speed > 0.0 ? -1.0 : speed < 0.0 ? 1.0 : chance_sign));
 }

@@ -87,7 +87,7 @@ class EmulatedPtu final : public EmulatedSerialDevice, public PointingTruth {
   // An answer on its way. Until it is given nothing more is read.
   struct Pending {
     Stamp due{};
-    PtuAnswer answer{};
+    AsciiAnswer answer{};
     Stamp latency{};
     bool has_answered = false;  // what is left is the change of the line rate
   };
@@ -95,7 +95,7 @@ class EmulatedPtu final : public EmulatedSerialDevice, public PointingTruth {
   struct ResetRun {
     Stamp end{};
     PtuRefusal failure{};
-    PtuAnswer answer{};
+    AsciiAnswer answer{};
     bool is_starting = false;  // of power-up: what is typed meanwhile is lost
   };
 
@@ -109,7 +109,7 @@ class EmulatedPtu final : public EmulatedSerialDevice, public PointingTruth {
   void take(std::uint8_t byte, Stamp now);
   void take_text(char c, Stamp now);
   void end_text(char delimiter, Stamp now);
-  void begin_answer(const PtuAnswer& answer, Stamp now);
+  void begin_answer(const AsciiAnswer& answer, Stamp now);
   void choose_audience(Stamp now);
 
   void power_on(Stamp now);

@@ -101,8 +101,8 @@ PtuSettings ptu_settings(PtuKind kind) {
   return settings;
 }
 
-PtuConfig factory_config(const PtuSettings& settings) {
-  PtuConfig config;
+PtuMemory factory_config(const PtuSettings& settings) {
+  PtuMemory config;
   for (const PtuAxisId axis : {PtuAxisId::Pan, PtuAxisId::Tilt}) {
     const PtuAxisModel& model = model_of(settings, axis);
     PtuAxisConfig& own = config.axes[index_of(axis)];
@@ -116,23 +116,23 @@ PtuConfig factory_config(const PtuSettings& settings) {
   return config;
 }
 
-PtuAxis::PtuAxis(const PtuAxisModel& model, long hard_margin, long min_offset, long max_offset)
+StepperAxis::StepperAxis(const PtuAxisModel& model, long hard_margin, long min_offset, long max_offset)
     : resolution_arcsec_(model.resolution_arcsec),
       hard_margin_(static_cast<double>(hard_margin)),
       min_(model.min_position + min_offset),
       max_(model.max_position + max_offset) {
 }
 
-long PtuAxis::position(Stamp at) const {
+long StepperAxis::position(Stamp at) const {
   return std::lround(motion_.position(at));
 }
 
-Stamp PtuAxis::next_stop_hit(Stamp from) const {
+Stamp StepperAxis::next_stop_hit(Stamp from) const {
   return motion_.leaves(from, static_cast<double>(min_) - hard_margin_,
                         static_cast<double>(max_) + hard_margin_);
 }
 
-void PtuAxis::move(Stamp at, long target, const StepperRates& rates) {
+void StepperAxis::move(Stamp at, long target, const StepperRates& rates) {
   target_ = target;
   if (at < blocked_until_) {
     return;
@@ -141,41 +141,41 @@ void PtuAxis::move(Stamp at, long target, const StepperRates& rates) {
   motion_.follow(at, plan_move(state, static_cast<double>(target), rates));
 }
 
-void PtuAxis::halt(Stamp at, const StepperRates& rates) {
+void StepperAxis::halt(Stamp at, const StepperRates& rates) {
   const MotionPlan plan = plan_stop({motion_.position(at), motion_.speed(at)}, rates);
   target_ = std::lround(plan.end);
   motion_.follow(at, plan);
 }
 
-void PtuAxis::freeze(Stamp at) {
+void StepperAxis::freeze(Stamp at) {
   target_ = position(at);
   motion_.rest(at, static_cast<double>(target_), motion_.slip(at));
 }
 
-void PtuAxis::block(Stamp at, Stamp until) {
+void StepperAxis::block(Stamp at, Stamp until) {
   freeze(at);
   blocked_until_ = std::max(blocked_until_, until);
 }
 
-void PtuAxis::miss(Stamp at, double steps) {
+void StepperAxis::miss(Stamp at, double steps) {
   const double truth = motion_.truth(at);
   const double low = static_cast<double>(min_) - hard_margin_;
   const double high = static_cast<double>(max_) + hard_margin_;
   motion_.miss(at, std::clamp(truth + steps, std::min(low, truth), std::max(high, truth)) - truth);
 }
 
-void PtuAxis::lose_position(Stamp at) {
+void StepperAxis::lose_position(Stamp at) {
   target_ = 0;
   motion_.rest(at, 0.0, motion_.truth(at));
 }
 
-double PtuAxis::reset_way(Stamp at) const {
+double StepperAxis::reset_way(Stamp at) const {
   const double low = static_cast<double>(min_);
   const double high = static_cast<double>(max_);
   return std::abs(motion_.truth(at) - low) + (high - low) + high;
 }
 
-std::vector<Stamp> PtuAxis::reset(Stamp at, Stamp duration) {
+std::vector<Stamp> StepperAxis::reset(Stamp at, Stamp duration) {
   const double low = static_cast<double>(min_);
   const double high = static_cast<double>(max_);
   const double from = motion_.truth(at);
@@ -193,7 +193,7 @@ std::vector<Stamp> PtuAxis::reset(Stamp at, Stamp duration) {
   return {at + hal::from_seconds(first_s), at + hal::from_seconds(first_s + second_s)};
 }
 
-std::vector<Stamp> PtuAxis::jam(Stamp at, Stamp duration) {
+std::vector<Stamp> StepperAxis::jam(Stamp at, Stamp duration) {
   const double low = static_cast<double>(min_);
   const double from = motion_.truth(at);
   const double jammed = std::round(low / 3.0);
@@ -219,7 +219,7 @@ std::string_view axis_name(PtuAxisId id) {
 constexpr std::array kBoth = {PtuAxisId::Pan, PtuAxisId::Tilt};
 constexpr std::array kTiltFirst = {PtuAxisId::Tilt, PtuAxisId::Pan};
 
-std::array<PtuAxis, kPtuAxes> make_axes(const PtuSettings& settings, std::uint64_t seed) {
+std::array<StepperAxis, kPtuAxes> make_axes(const PtuSettings& settings, std::uint64_t seed) {
   Random rng(mix_seed(seed, 1));
   const auto offset = [&] {
     const double spread = static_cast<double>(settings.limit_spread);
@@ -227,8 +227,8 @@ std::array<PtuAxis, kPtuAxes> make_axes(const PtuSettings& settings, std::uint64
                        (settings.limit_spread > 0 ? 1.0 : 0.0));
   };
   const std::array<long, 4> offsets{offset(), offset(), offset(), offset()};
-  return {PtuAxis(settings.model.pan, kHardMargin, offsets[0], offsets[1]),
-          PtuAxis(settings.model.tilt, kHardMargin, offsets[2], offsets[3])};
+  return {StepperAxis(settings.model.pan, kHardMargin, offsets[0], offsets[1]),
+          StepperAxis(settings.model.tilt, kHardMargin, offsets[2], offsets[3])};
 }
 
 }  // namespace
@@ -450,8 +450,8 @@ void PtuHead::end_monitor(Stamp now) {
   go(PtuAxisId::Tilt, 0, now);
 }
 
-PtuReset PtuHead::begin_reset(PtuAxes axes, std::optional<PtuAxisId> jammed, Stamp now) {
-  PtuReset reset{now, {}, {}};
+AxesReset PtuHead::begin_reset(PtuAxes axes, std::optional<PtuAxisId> jammed, Stamp now) {
+  AxesReset reset{now, {}, {}};
   monitor_end_.reset();
   velocities_ = {};
   stored_ = {};
@@ -483,7 +483,7 @@ void PtuHead::cut_power(Stamp now) {
   stored_ = {};
   is_resetting_ = false;
   is_lost_ = {true, true};
-  for (PtuAxis& own : axes_) {
+  for (StepperAxis& own : axes_) {
     own.freeze(now);
     own.lose_position(now);
   }
@@ -522,7 +522,7 @@ std::optional<PtuLimitHit> PtuHead::step(Stamp now) {
 }
 
 void PtuHead::forget(Stamp before) {
-  for (PtuAxis& own : axes_) {
+  for (StepperAxis& own : axes_) {
     own.forget(before);
   }
 }

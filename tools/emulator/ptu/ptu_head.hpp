@@ -160,7 +160,7 @@ struct PtuAxisConfig {
 };
 
 /// All that DS saves, DR brings back, and DF and the factory set.
-struct PtuConfig {
+struct PtuMemory {
   std::array<PtuAxisConfig, kPtuAxes> axes;
   PtuEcho echo = PtuEcho::On;
   PtuFeedback feedback = PtuFeedback::Verbose;
@@ -172,17 +172,17 @@ struct PtuConfig {
   std::uint32_t start_baud = 9600;
 };
 
-[[nodiscard]] PtuConfig factory_config(const PtuSettings& settings);
+[[nodiscard]] PtuMemory factory_config(const PtuSettings& settings);
 
 [[nodiscard]] inline const PtuAxisModel& model_of(const PtuSettings& settings, PtuAxisId axis) noexcept {
   return axis == PtuAxisId::Pan ? settings.model.pan : settings.model.tilt;
 }
 
 /// A stepper axis with its limits, where it is and where it goes. Positions in steps.
-class PtuAxis {
+class StepperAxis {
  public:
   /// Rests at home, with limits `min_offset` and `max_offset` beside the model's.
-  PtuAxis(const PtuAxisModel& model, long hard_margin, long min_offset, long max_offset);
+  StepperAxis(const PtuAxisModel& model, long hard_margin, long min_offset, long max_offset);
 
   [[nodiscard]] long min() const noexcept { return min_; }
   [[nodiscard]] long max() const noexcept { return max_; }
@@ -247,7 +247,7 @@ struct PtuLimitHit {
 };
 
 /// A reset that has begun.
-struct PtuReset {
+struct AxesReset {
   Stamp end{};
   std::vector<PtuLimitHit> hits;  ///< in the order of time
   PtuRefusal failure;             ///< what is said at the end instead of an answer
@@ -259,10 +259,10 @@ class PtuHead {
   /// At home, as after a reset. `settings` outlives it.
   PtuHead(const PtuSettings& settings, std::uint64_t seed);
 
-  PtuConfig config;
+  PtuMemory config;
 
-  [[nodiscard]] PtuAxis& axis(PtuAxisId id) noexcept { return axes_[index_of(id)]; }
-  [[nodiscard]] const PtuAxis& axis(PtuAxisId id) const noexcept { return axes_[index_of(id)]; }
+  [[nodiscard]] StepperAxis& axis(PtuAxisId id) noexcept { return axes_[index_of(id)]; }
+  [[nodiscard]] const StepperAxis& axis(PtuAxisId id) const noexcept { return axes_[index_of(id)]; }
   [[nodiscard]] PtuAxisConfig& parameters(PtuAxisId id) noexcept { return config.axes[index_of(id)]; }
 
   // Positions: stored in slaved mode until release(), without effect in velocity mode.
@@ -291,7 +291,7 @@ class PtuHead {
   [[nodiscard]] bool is_monitoring() const noexcept { return monitor_end_.has_value(); }
 
   /// Resets the chosen axes, tilt first; a `jammed` one does not find its limits.
-  [[nodiscard]] PtuReset begin_reset(PtuAxes axes, std::optional<PtuAxisId> jammed, Stamp now);
+  [[nodiscard]] AxesReset begin_reset(PtuAxes axes, std::optional<PtuAxisId> jammed, Stamp now);
   void end_reset() { is_resetting_ = false; }
 
   /// Powerless, both axes stand where they are; afterwards they count from there.
@@ -317,7 +317,7 @@ class PtuHead {
   void turn_monitor(Stamp now);
 
   const PtuSettings& settings_;
-  std::array<PtuAxis, kPtuAxes> axes_;
+  std::array<StepperAxis, kPtuAxes> axes_;
   std::array<std::optional<long>, kPtuAxes> stored_;  // targets in slaved mode
   std::array<long, kPtuAxes> velocities_{};           // in velocity mode
   std::array<bool, kPtuAxes> is_lost_{};              // not reset since power-up, or in vain

@@ -8,7 +8,7 @@
 namespace slamsensor::tools {
 
 void set_rate(LwnxSettings& settings, double rate_hz) {
-  LwnxProduct& product = settings.product;
+  LightWareProduct& product = settings.product;
   LwnxRegister* const rate = product.find(product.ids.update_rate);
   LwnxRegister* const high_speed = product.find(product.ids.high_speed);
   if (high_speed != nullptr) {
@@ -63,7 +63,7 @@ std::int64_t field_word(LwnxField field, const LwnxReading& reading, const LwnxU
   return 0;
 }
 
-void pack_fields(const LwnxProduct& product, std::uint64_t bits, const LwnxReading& reading,
+void pack_fields(const LightWareProduct& product, std::uint64_t bits, const LwnxReading& reading,
                  const LwnxUnit& unit, std::vector<std::uint8_t>& data) {
   for (std::size_t bit = 0; bit < product.fields.size(); ++bit) {
     if ((bits >> bit & 1U) != 0) {
@@ -107,13 +107,13 @@ void LwnxReader::clear() {
   misses_ = 0;
 }
 
-void pack_cm(const LwnxProduct& product, std::uint64_t bits, const LwnxReading& reading,
+void pack_cm(const LightWareProduct& product, std::uint64_t bits, const LwnxReading& reading,
              std::vector<std::uint8_t>& data) {
   const LwnxUnit unit{product.cm_units_per_m, product.cm_field_bytes, product.no_return};
   pack_fields(product, bits, reading, unit, data);
 }
 
-void pack_mm(const LwnxProduct& product, std::uint64_t bits, const LwnxReading& reading,
+void pack_mm(const LightWareProduct& product, std::uint64_t bits, const LwnxReading& reading,
              std::vector<std::uint8_t>& data) {
   const LwnxUnit unit{1000.0, 4, product.no_return_mm};
   if (product.mm_signals == 0) {
@@ -254,7 +254,7 @@ void EmulatedLwnx::say(std::string_view text, Stamp at) {
   }
   data_.assign(text.begin(), text.end());
   data_.push_back(0);
-  put_packet(kTextId, LwnxAccess::Read, at);
+  put_packet(kTextId, RequestAccess::Read, at);
 }
 
 namespace {}  // namespace
@@ -283,7 +283,7 @@ void EmulatedLwnx::take_request(const LwnxRequest& request, Stamp at) {
   const LwnxRegister* const command = product_.find(request.id);
   if (command == nullptr) {
     ++refused_;
-  } else if (request.access == LwnxAccess::Write) {
+  } else if (request.access == RequestAccess::Write) {
     answer_write(*command, request, at);
   } else if (command->read_bytes > 0 && request.data.empty()) {
     answer_read(*command, at);
@@ -310,7 +310,7 @@ void EmulatedLwnx::answer_read(const LwnxRegister& command, Stamp at) {
   }
   const auto bytes = registers_.bytes(command.id);
   data_.assign(bytes.begin(), bytes.end());
-  put_packet(command.id, LwnxAccess::Read, at);
+  put_packet(command.id, RequestAccess::Read, at);
 }
 
 void EmulatedLwnx::answer_distance(std::uint8_t id, Stamp at) {
@@ -325,7 +325,7 @@ void EmulatedLwnx::answer_distance(std::uint8_t id, Stamp at) {
     data_.push_back(1);
     append_little_endian(distance_word(reading, reading.range_m, {100.0, 2, product_.no_return}), 2, data_);
   }
-  build_packet(id, LwnxAccess::Read, data_, packet_);
+  build_packet(id, RequestAccess::Read, data_, packet_);
   machine_.outbox.put_answer(packet_, at, {&at, 1});
 }
 
@@ -337,7 +337,7 @@ void EmulatedLwnx::answer_write(const LwnxRegister& command, const LwnxRequest& 
   data_.clear();
   const auto kept = registers_.bytes(command.id);
   data_.assign(kept.begin(), kept.end());  // save and reset have none
-  put_packet(command.id, LwnxAccess::Write, at);
+  put_packet(command.id, RequestAccess::Write, at);
 }
 
 bool EmulatedLwnx::write(const LwnxRequest& request, Stamp at) {
@@ -401,7 +401,7 @@ bool EmulatedLwnx::use_token(const LwnxRequest& request) {
   return true;
 }
 
-void EmulatedLwnx::put_packet(std::uint8_t id, LwnxAccess access, Stamp at) {
+void EmulatedLwnx::put_packet(std::uint8_t id, RequestAccess access, Stamp at) {
   build_packet(id, access, data_, packet_);
   machine_.outbox.put_answer(packet_, at);
 }
@@ -501,7 +501,7 @@ void EmulatedLwnx::stream_raw(const LwnxReading& reading, Stamp at) {
 }
 
 void EmulatedLwnx::put_record(std::uint8_t id, std::span<const Stamp> measured, Stamp at) {
-  build_packet(id, LwnxAccess::Read, data_, packet_);
+  build_packet(id, RequestAccess::Read, data_, packet_);
   if (machine_.faults.take(FaultKind::BadChecksum)) {
     packet_.back() ^= 0x5AU;
   }

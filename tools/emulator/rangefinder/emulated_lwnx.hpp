@@ -15,7 +15,7 @@ namespace slamsensor::tools {
 
 /// How an EmulatedLwnx is built and set up.
 struct LwnxSettings {
-  LwnxProduct product = lwnx_product(LwnxModel::Lw20);
+  LightWareProduct product = lwnx_product(LwnxModel::Lw20);
   DeviceBegin begin = DeviceBegin::PowerUp;
   std::uint32_t baud = 0;  ///< 0: the product's
   double full_speed_hz = 20'000.0;
@@ -68,12 +68,12 @@ class LwnxReader {
 
 /// The data of ID 44 (cm, decimetres on the GRF-500) for a reading: the fields of the product that `bits`
 /// selects, in their order.
-void pack_cm(const LwnxProduct& product, std::uint64_t bits, const LwnxReading& reading,
+void pack_cm(const LightWareProduct& product, std::uint64_t bits, const LwnxReading& reading,
              std::vector<std::uint8_t>& data);
 
 /// The data of ID 45 (mm): the same fields in four bytes each, or on the GRF-500 five pairs of distance and
 /// strength, of which the first is the echo, and the temperature.
-void pack_mm(const LwnxProduct& product, std::uint64_t bits, const LwnxReading& reading,
+void pack_mm(const LightWareProduct& product, std::uint64_t bits, const LwnxReading& reading,
              std::vector<std::uint8_t>& data);
 
 /// A distance word of ID 40 or 44: `no_return` when there is none or it does not fit into `bytes` bytes.
@@ -131,7 +131,7 @@ class EmulatedLwnx final : public EmulatedSerialDevice {
   [[nodiscard]] bool write_common(const LwnxRequest& request, Stamp at);
   [[nodiscard]] bool use_token(const LwnxRequest& request);
   void answer_distance(std::uint8_t id, Stamp at);
-  void put_packet(std::uint8_t id, LwnxAccess access, Stamp at);
+  void put_packet(std::uint8_t id, RequestAccess access, Stamp at);
 
   // Readings
   void retime(Stamp now);
@@ -145,7 +145,7 @@ class EmulatedLwnx final : public EmulatedSerialDevice {
   void put_record(std::uint8_t id, std::span<const Stamp> measured, Stamp at);
 
   LwnxSettings settings_;
-  const LwnxProduct& product_;
+  const LightWareProduct& product_;
   RangeScene& scene_;
   SerialOutboxLine line_;
   LaserMachine machine_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "hal/rangefinder/benewake_frame.hpp"
 #include "tools/emulator/emulated_device.hpp"
 #include "tools/emulator/head_profile.hpp"
 #include "tools/emulator/rangefinder/laser_machine.hpp"
@@ -12,8 +13,7 @@
 
 namespace slamsensor::tools {
 
-/// The Benewake rangefinders that share the nine-byte frame.
-enum class BenewakeModel : std::uint8_t { Tf03, TfMini, TfMiniPlus, TfMiniS, Tf02 };
+using hal::BenewakeModel;
 
 enum class Tf03Wire : std::uint8_t { Uart, Can };
 enum class Tf03Switch : std::uint8_t { Off = 0, On = 1 };

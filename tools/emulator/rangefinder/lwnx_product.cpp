@@ -29,12 +29,12 @@ std::uint64_t little_endian(std::span<const std::uint8_t> data) {
   return value;
 }
 
-void build_packet(std::uint8_t id, LwnxAccess access, std::span<const std::uint8_t> data,
+void build_packet(std::uint8_t id, RequestAccess access, std::span<const std::uint8_t> data,
                   std::vector<std::uint8_t>& packet) {
   const auto length = static_cast<std::int64_t>(data.size() + 1);
   packet.clear();
   packet.push_back(kStart);
-  append_little_endian(length * 64 + (access == LwnxAccess::Write ? 1 : 0), 2, packet);
+  append_little_endian(length * 64 + (access == RequestAccess::Write ? 1 : 0), 2, packet);
   packet.push_back(id);
   packet.insert(packet.end(), data.begin(), data.end());
   append_little_endian(crc16_xmodem(packet), kCrcBytes, packet);
@@ -67,7 +67,7 @@ std::optional<LwnxRequest> LwnxReceiver::take_request() {
     }
     LwnxRequest request;
     request.id = packet[kHeaderBytes];
-    request.access = (packet[1] & 1U) != 0 ? LwnxAccess::Write : LwnxAccess::Read;
+    request.access = (packet[1] & 1U) != 0 ? RequestAccess::Write : RequestAccess::Read;
     request.data.assign(packet.begin() + kHeaderBytes + 1, packet.end() - kCrcBytes);
     buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(whole));
     return request;
@@ -91,16 +91,16 @@ constexpr auto kLost = LwnxRegister::Keeps::No;
 constexpr std::array<std::uint32_t, 8> kBauds = {9600,   19'200,  38'400,  57'600,
                                                  115200, 230'400, 460'800, 921'600};
 
-void add(LwnxProduct& product, const std::vector<LwnxRegister>& registers) {
+void add(LightWareProduct& product, const std::vector<LwnxRegister>& registers) {
   product.registers.insert(product.registers.end(), registers.begin(), registers.end());
 }
 
-std::int64_t baud_value(const LwnxProduct& product) {
+std::int64_t baud_value(const LightWareProduct& product) {
   return lwnx_baud_value(product.baud).value_or(4);
 }
 
 /// What every product has: identity, user data, token, save, reset, stream, data, laser.
-void add_common(LwnxProduct& product) {
+void add_common(LightWareProduct& product) {
   add(product, {{0, 16, {}},
                 {1, 4, {}, kLost, 11},
                 {2, 4, {}, kLost, 0x010604},
@@ -115,8 +115,8 @@ void add_common(LwnxProduct& product) {
 }
 
 /// LW20 manual, revision 10. SF20 is the same device.
-LwnxProduct lw20(const char* name) {
-  LwnxProduct product;
+LightWareProduct lw20(const char* name) {
+  LightWareProduct product;
   product.name = name;
   product.ids = {27, 55, 93, 70, 85, 94, 95, 90};
   product.unanswered_first = 1;
@@ -148,8 +148,8 @@ LwnxProduct lw20(const char* name) {
 }
 
 /// LW24 guide of 2022, SF000 guide revision 5, LightWare's samples, the PX4 driver of the SF45/B.
-LwnxProduct sf_family(const char* name) {
-  LwnxProduct product;
+LightWareProduct sf_family(const char* name) {
+  LightWareProduct product;
   product.name = name;
   // Not published; as far as the codes of the LW20 go they are taken to mean the same.
   product.rates_hz = {48, 55, 64, 77, 97, 129, 194, 388, 625, 1250, 2500, 5000};
@@ -170,8 +170,8 @@ LwnxProduct sf_family(const char* name) {
 }
 
 /// Nothing is published of its LWNX commands: its outputs are taken to be those of the LW20.
-LwnxProduct sf11() {
-  LwnxProduct product = sf_family("SF11");
+LightWareProduct sf11() {
+  LightWareProduct product = sf_family("SF11");
   product.fields = lw20("SF11").fields;
   product.unanswered_packets = 1;  // its sample sends one to switch LWNX on
   product.rates_hz = {20};
@@ -180,8 +180,8 @@ LwnxProduct sf11() {
   return product;
 }
 
-LwnxProduct sf45b() {
-  LwnxProduct product = sf_family("SF45");
+LightWareProduct sf45b() {
+  LightWareProduct product = sf_family("SF45");
   product.baud = 921600;
   product.rates_hz = {50, 100, 200, 400, 500, 625, 1000, 1250, 1538, 2000, 2500, 5000};
   product.fields.push_back(LwnxField::Yaw);
@@ -197,8 +197,8 @@ LwnxProduct sf45b() {
 }
 
 /// SF30/D samples: distance output 29, update rate 76 (value 8 is 78 readings per second), return mode 77.
-LwnxProduct sf30d() {
-  LwnxProduct product = sf_family("SF30/D");
+LightWareProduct sf30d() {
+  LightWareProduct product = sf_family("SF30/D");
   product.baud = 921600;
   product.ids = {29, 55, 76, 255, 85, 114, 78, 91};
   product.first_rate_value = 0;
@@ -224,8 +224,8 @@ LwnxProduct sf30d() {
 }
 
 /// LightWare's grf-500-api, 1.1.0.
-LwnxProduct grf500() {
-  LwnxProduct product;
+LightWareProduct grf500() {
+  LightWareProduct product;
   product.name = "GRF-500";
   product.ids = {27, 55, 74, 255, 255, 114, 78, 91};
   using enum LwnxField;
@@ -265,7 +265,7 @@ LwnxProduct grf500() {
   return product;
 }
 
-LwnxProduct make(LwnxModel model) {
+LightWareProduct make(LwnxModel model) {
   switch (model) {
     case LwnxModel::Lw20:
       return lw20("LW20");
@@ -289,21 +289,21 @@ LwnxProduct make(LwnxModel model) {
 
 }  // namespace
 
-const LwnxRegister* LwnxProduct::find(std::uint8_t id) const {
+const LwnxRegister* LightWareProduct::find(std::uint8_t id) const {
   const auto found = std::ranges::find(registers, id, &LwnxRegister::id);
   return found != registers.end() ? &*found : nullptr;
 }
 
-LwnxRegister* LwnxProduct::find(std::uint8_t id) {
+LwnxRegister* LightWareProduct::find(std::uint8_t id) {
   return const_cast<LwnxRegister*>(std::as_const(*this).find(id));
 }
 
-std::optional<LwnxStream> LwnxProduct::stream(std::uint32_t value) const {
+std::optional<LwnxStream> LightWareProduct::stream(std::uint32_t value) const {
   const auto found = std::ranges::find(streams, value, &std::pair<std::uint32_t, LwnxStream>::first);
   return found != streams.end() ? std::optional(found->second) : std::nullopt;
 }
 
-std::optional<double> LwnxProduct::rate_hz(std::uint64_t value) const {
+std::optional<double> LightWareProduct::rate_hz(std::uint64_t value) const {
   if (rates_hz.empty()) {
     constexpr std::uint64_t kTenthsMin = 5;
     constexpr std::uint64_t kTenthsMax = 100;
@@ -314,8 +314,8 @@ std::optional<double> LwnxProduct::rate_hz(std::uint64_t value) const {
   return known ? std::optional(rates_hz[value - first_rate_value]) : std::nullopt;
 }
 
-LwnxProduct lwnx_product(LwnxModel model) {
-  LwnxProduct product = make(model);
+LightWareProduct lwnx_product(LwnxModel model) {
+  LightWareProduct product = make(model);
   if (product.find(product.ids.baud) == nullptr) {
     add(product, {{product.ids.baud, 1, 1, kSaved, baud_value(product)}});
   }
@@ -332,7 +332,7 @@ std::optional<std::uint8_t> lwnx_baud_value(std::uint32_t baud) {
                                : std::nullopt;
 }
 
-LwnxRegisters::LwnxRegisters(const LwnxProduct& product) : product_(product) {
+LwnxRegisters::LwnxRegisters(const LightWareProduct& product) : product_(product) {
   for (const LwnxRegister& each : product.registers) {
     append_little_endian(each.initial, each.read_bytes, now_[each.id]);
   }

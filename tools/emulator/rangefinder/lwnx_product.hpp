@@ -33,18 +33,18 @@ namespace slamsensor::tools {
   return crc;
 }
 
-enum class LwnxAccess : std::uint8_t { Read, Write };
+enum class RequestAccess : std::uint8_t { Read, Write };
 
 /// A request of the host that arrived whole.
 struct LwnxRequest {
   std::uint8_t id = 0;
-  LwnxAccess access = LwnxAccess::Read;
+  RequestAccess access = RequestAccess::Read;
   std::vector<std::uint8_t> data;
 };
 
 /// The packet that carries `data` (at most 1022 bytes) under `id`, in place of what was in `packet`: start,
 /// length and access, ID, data, CRC (LW20 serial manual).
-void build_packet(std::uint8_t id, LwnxAccess access, std::span<const std::uint8_t> data,
+void build_packet(std::uint8_t id, RequestAccess access, std::span<const std::uint8_t> data,
                   std::vector<std::uint8_t>& packet);
 
 /// Finds the host's requests between other bytes. A packet that stops for 100 ms is forgotten; after a wrong
@@ -122,7 +122,7 @@ struct LwnxIds {
 };
 
 /// A LightWare product as its manual, LightWare's samples and the public drivers describe it.
-struct LwnxProduct {
+struct LightWareProduct {
   std::string name;  ///< answer to command 0
   LwnxIds ids;
   std::vector<LwnxRegister> registers;
@@ -152,7 +152,7 @@ struct LwnxProduct {
 };
 
 /// The product as it leaves the factory. Every part may be changed before an emulator is made of it.
-[[nodiscard]] LwnxProduct lwnx_product(LwnxModel model);
+[[nodiscard]] LightWareProduct lwnx_product(LwnxModel model);
 
 /// Line rates of the values 0 to 7 of the baud command.
 [[nodiscard]] std::optional<std::uint32_t> lwnx_baud(std::uint64_t value);
@@ -164,7 +164,7 @@ struct LwnxProduct {
 class LwnxRegisters {
  public:
   /// The factory's values of `product`, which outlives this.
-  explicit LwnxRegisters(const LwnxProduct& product);
+  explicit LwnxRegisters(const LightWareProduct& product);
 
   /// The bytes that a read of `id` returns; empty when it cannot be read.
   [[nodiscard]] std::span<const std::uint8_t> bytes(std::uint8_t id) const;
@@ -196,7 +196,7 @@ class LwnxRegisters {
  private:
   using Values = std::array<std::vector<std::uint8_t>, 256>;
 
-  const LwnxProduct& product_;
+  const LightWareProduct& product_;
   Values now_;
   Values saved_;
 };

@@ -167,7 +167,7 @@ TEST(LcmScan, BringsTheLandmarksBitForBit) {
   std::array<std::uint8_t, 1400> out{};
   for (const std::size_t size : {0U, 1U, 49U, 50U, 51U, 100U, 101U}) {
     const std::vector<core::ScanLandmark> landmarks = tests::sample_landmarks(size);
-    const ScanView scan = tests::view_of(landmarks);
+    const LcmScanView scan = tests::view_of(landmarks);
     std::size_t next = 0;
     for (std::uint32_t chunk = 0; chunk < scan_chunks(scan); ++chunk) {
       const auto message = decode_lcm<ScanMessage>({out.data(), encode_scan_chunk(scan, chunk, out)});

@@ -117,7 +117,7 @@ inline std::vector<core::ScanLandmark> sample_landmarks(std::size_t size) {
   return landmarks;
 }
 
-inline firmware::ScanView view_of(const std::vector<core::ScanLandmark>& landmarks) {
+inline firmware::LcmScanView view_of(const std::vector<core::ScanLandmark>& landmarks) {
   return {sample_report().initialization, sample_report().fix.scan, sample_report().fix.time, landmarks};
 }
 

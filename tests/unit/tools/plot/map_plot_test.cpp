@@ -95,7 +95,7 @@ TEST_P(MapPlotSizes, NumbersNeverOverlapAndFirstAndLastAreThere) {
 
 TEST_P(MapPlotSizes, AxesAreEqualAndEverythingIsInside) {
   const MapPlot drawn = plot();
-  const MapFrame frame = frame_map(drawn, {});
+  const MapPanel frame = frame_map(drawn, {});
   const core::Point2 range_m = frame.high_W - frame.low_W;
   EXPECT_NEAR(frame.area.width() / range_m.x(), frame.area.height() / range_m.y(), 1e-9);
   for (const PlotPose& pose : drawn.poses) {

@@ -205,7 +205,7 @@ TEST(EmulatedDrive, FailsAndRecovers) {
   rig.pass(100ms);
   rig.frames.clear();
   EXPECT_TRUE(rig.drive.inject({FaultKind::Emergency, rig.now, 50ms}));
-  EXPECT_EQ(rig.drive.drive_state(), DriveState::FaultReaction);
+  EXPECT_EQ(rig.drive.drive_state(), PowerState::FaultReaction);
   rig.pass(10ms);
   EXPECT_EQ(rig.heard(), "081 10 23 03 00 00 00 00 00");
   EXPECT_EQ(rig.ask(kStatus), status("18 02"));

@@ -97,9 +97,8 @@ TEST(DefaultPairs, EveryBenewake) {
     config.device.model = model;
     config.device.rate_hz = std::min(1000.0, hal::benewake_product(model).rate_max_hz);
     config.device.range.range_max_m = model == hal::BenewakeModel::Tf03 ? 180.0 : 22.0;
-    const auto index = static_cast<BenewakeModel>(static_cast<int>(model));
     expect_true_distances<EmulatedTf03>(
-        tf03_settings(index), [&](hal::ByteLink& link) { return hal::make_benewake_serial(config, link); },
+        tf03_settings(model), [&](hal::ByteLink& link) { return hal::make_benewake_serial(config, link); },
         std::string(hal::benewake_product(model).name));
   }
 }

@@ -23,20 +23,20 @@ inline LwnxSettings sf000_at_1_khz() {
   return settings;
 }
 
-inline Bytes request(std::uint8_t id, LwnxAccess access, const Bytes& data = {}) {
+inline Bytes request(std::uint8_t id, RequestAccess access, const Bytes& data = {}) {
   Bytes packet;
   build_packet(id, access, data, packet);
   return packet;
 }
 
 inline Bytes read_request(std::uint8_t id) {
-  return request(id, LwnxAccess::Read);
+  return request(id, RequestAccess::Read);
 }
 
 inline Bytes write_request(std::uint8_t id, std::uint32_t value, std::size_t bytes) {
   Bytes data;
   append_little_endian(value, bytes, data);
-  return request(id, LwnxAccess::Write, data);
+  return request(id, RequestAccess::Write, data);
 }
 
 /// Payloads (ID and data) of the packets in `bytes`, which hold nothing else.

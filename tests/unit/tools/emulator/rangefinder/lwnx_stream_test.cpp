@@ -47,7 +47,7 @@ TEST(LwnxStream, SlowLineDropsWholePackets) {
 TEST(LwnxStream, EveryRateOfEveryProductIsKept) {
   for (const LwnxModel model :
        {LwnxModel::Lw20, LwnxModel::Lw24, LwnxModel::Sf000, LwnxModel::Sf30d, LwnxModel::Sf45b}) {
-    const LwnxProduct product = lwnx_product(model);
+    const LightWareProduct product = lwnx_product(model);
     for (const std::uint32_t baud : {115'200U, 921'600U}) {
       for (std::size_t i = 0; i < product.rates_hz.size(); ++i) {
         LwnxSettings settings = ready(model);

@@ -82,12 +82,12 @@ TEST(LwnxTranscript, StreamFiveSendsDistancesAtTheMeasuringRate) {
 
 TEST(LwnxTranscript, WrongCrcLengthAndIdAreNotAnswered) {
   LwnxBench bench(ready(LwnxModel::Lw20));
-  EXPECT_TRUE(bench.say("AA 40 00 00 70 9E").empty());                // CRC
-  EXPECT_TRUE(bench.say(request(0, LwnxAccess::Read, {1})).empty());  // a read has no data
-  EXPECT_TRUE(bench.say(write_request(27, 1, 2)).empty());            // four bytes
-  EXPECT_TRUE(bench.say(write_request(93, 8, 4)).empty());            // one byte
-  EXPECT_TRUE(bench.say(write_request(0, 1, 1)).empty());             // read only
-  EXPECT_TRUE(bench.say(read_request(12)).empty());                   // write only
+  EXPECT_TRUE(bench.say("AA 40 00 00 70 9E").empty());                   // CRC
+  EXPECT_TRUE(bench.say(request(0, RequestAccess::Read, {1})).empty());  // a read has no data
+  EXPECT_TRUE(bench.say(write_request(27, 1, 2)).empty());               // four bytes
+  EXPECT_TRUE(bench.say(write_request(93, 8, 4)).empty());               // one byte
+  EXPECT_TRUE(bench.say(write_request(0, 1, 1)).empty());                // read only
+  EXPECT_TRUE(bench.say(read_request(12)).empty());                      // write only
   EXPECT_TRUE(bench.say(read_request(200)).empty());
   EXPECT_EQ(bench.device.refused(), 7U);
   EXPECT_EQ(hex(bench.say("55 AA 55 00 " + kName)), kNameIsLw20);  // a false start before it
