@@ -179,7 +179,7 @@ SEEDS = {
         "settings": b"\x00" + wire("5A04015F" + "5A0603E8034E" + "5A05050165" + "5A08060010" "0E0086"),
     },
     "emulator_point": {
-        "lds70a": b"ID\rMF2000\rSD 0 1\rSD 2 3\rBR921600\rDT\rDM\rXX\r",
+        "lds70a": b"SD 0 1\rSD 2 3\rDT\rXX\r",
     },
     "emulator_sdo": {
         "numbers": wire("4000200000000000" + "2300200012345678" + "8000200000000206"),

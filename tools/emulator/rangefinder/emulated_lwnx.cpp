@@ -30,7 +30,6 @@ namespace {
 
 // Commands.
 constexpr std::uint8_t kNameId = 0;
-constexpr std::uint8_t kSerialNumberId = 3;
 constexpr std::uint8_t kTextId = 7;
 constexpr std::uint8_t kTokenId = 10;
 constexpr std::uint8_t kSaveId = 12;
@@ -42,25 +41,11 @@ constexpr std::uint8_t kCmId = 44;
 constexpr std::uint8_t kMmId = 45;
 constexpr std::uint8_t kLaserId = 50;
 
-constexpr std::int64_t kNoise = 12;
-constexpr std::int64_t kTemperature = 2350;  // 1/100 degC
-
 std::int64_t field_word(LwnxField field, const LwnxReading& reading, const LwnxUnit& unit) {
-  switch (field) {
-    case LwnxField::Raw:
-    case LwnxField::Filtered:
-      return distance_word(reading, reading.range_m, unit);
-    case LwnxField::Strength:
-      return reading.is_lost ? 0 : std::llround(reading.strength);
-    case LwnxField::Noise:
-      return kNoise;
-    case LwnxField::Temperature:
-      return kTemperature;
-    case LwnxField::Yaw:
-    case LwnxField::Alarm:
-      return 0;
+  if (field == LwnxField::Strength) {
+    return reading.is_lost ? 0 : std::llround(reading.strength);
   }
-  return 0;
+  return distance_word(reading, reading.range_m, unit);
 }
 
 void pack_fields(const LightWareProduct& product, std::uint64_t bits, const LwnxReading& reading,
@@ -91,7 +76,7 @@ LwnxReading LwnxReader::read(const Sight& sight, const Setup& setup) {
   const bool is_miss = !sight.has_echo() || (sight.kind == SightKind::Weak && !setup.tells_strength);
   if (!is_miss) {
     misses_ = 0;
-    last_ = {false, sight.range_m + setup.zero_offset_m, strength_of(sight)};
+    last_ = {false, sight.range_m, strength_of(sight)};
     return last_;
   }
   ++misses_;
@@ -115,17 +100,7 @@ void pack_cm(const LightWareProduct& product, std::uint64_t bits, const LwnxRead
 
 void pack_mm(const LightWareProduct& product, std::uint64_t bits, const LwnxReading& reading,
              std::vector<std::uint8_t>& data) {
-  const LwnxUnit unit{1000.0, 4, product.no_return_mm};
-  if (product.mm_signals == 0) {
-    pack_fields(product, bits, reading, unit, data);
-    return;
-  }
-  for (std::uint8_t signal = 0; signal < product.mm_signals; ++signal) {
-    const bool is_echo = signal == 0;
-    append_little_endian(is_echo ? field_word(LwnxField::Raw, reading, unit) : unit.no_return, 4, data);
-    append_little_endian(is_echo ? field_word(LwnxField::Strength, reading, unit) : 0, 4, data);
-  }
-  append_little_endian(kTemperature, 4, data);
+  pack_fields(product, bits, reading, {1000.0, 4, product.no_return_mm}, data);
 }
 
 namespace {
@@ -146,7 +121,6 @@ EmulatedLwnx::EmulatedLwnx(const LwnxSettings& settings, ByteSink& sink, RangeSc
       reader_(settings_),
       token_(kFirstToken) {
   registers_.set_text(kNameId, product_.name);
-  registers_.set_text(kSerialNumberId, "EMU-000001");
   line_.set_baud(settings.baud != 0 ? settings.baud : product_.baud);
   if (const auto value = lwnx_baud_value(line_.baud())) {
     registers_.set(product_.ids.baud, std::uint64_t{*value});
@@ -256,8 +230,6 @@ void EmulatedLwnx::say(std::string_view text, Stamp at) {
   data_.push_back(0);
   put_packet(kTextId, RequestAccess::Read, at);
 }
-
-namespace {}  // namespace
 
 void EmulatedLwnx::receive(std::uint8_t byte, Stamp at) {
   if (!machine_.power.is_up()) {
@@ -406,8 +378,6 @@ void EmulatedLwnx::put_packet(std::uint8_t id, RequestAccess access, Stamp at) {
   machine_.outbox.put_answer(packet_, at);
 }
 
-namespace {}  // namespace
-
 LwnxStream EmulatedLwnx::stream() const {
   if (!is_lwnx_) {
     return LwnxStream::Off;
@@ -428,10 +398,10 @@ void EmulatedLwnx::retime(Stamp now) {
   raw_.clear();
   raw_measured_.clear();
   const LwnxStream kind = stream();
-  if (kind == LwnxStream::Raw || kind == LwnxStream::Cm || kind == LwnxStream::Mm) {
-    machine_.timer.start_after(now, rate_hz(kind));
-  } else {
+  if (kind == LwnxStream::Off) {
     machine_.timer.stop();
+  } else {
+    machine_.timer.start_after(now, rate_hz(kind));
   }
 }
 
@@ -439,9 +409,6 @@ bool EmulatedLwnx::tells_strength() const {
   const LwnxStream kind = stream();
   if (kind == LwnxStream::Raw) {
     return false;
-  }
-  if (kind == LwnxStream::Mm && product_.mm_signals > 0) {
-    return true;
   }
   const std::uint64_t bits = registers_.value(product_.ids.distance_output);
   for (std::size_t bit = 0; bit < product_.fields.size(); ++bit) {
@@ -456,10 +423,8 @@ LwnxReading EmulatedLwnx::measure(Stamp at) {
   if (registers_.value(kLaserId) == 0 || error_is_on(at)) {
     return {};
   }
-  const LwnxIds& ids = product_.ids;
-  return reader_.read(look(scene_, at, machine_.faults),
-                      {registers_.signed_value(ids.zero_offset) * product_.zero_offset_unit_m,
-                       static_cast<std::uint32_t>(registers_.value(ids.lost_counter)), tells_strength()});
+  const auto lost_counter = static_cast<std::uint32_t>(registers_.value(product_.ids.lost_counter));
+  return reader_.read(look(scene_, at, machine_.faults), {lost_counter, tells_strength()});
 }
 
 void EmulatedLwnx::shoot(Stamp at) {

@@ -39,18 +39,17 @@ void set_rate(LwnxSettings& settings, double rate_hz);
 /// A reading as the device reports it.
 struct LwnxReading {
   bool is_lost = true;
-  double range_m = 0.0;   ///< zero offset included; of readings that are not lost
+  double range_m = 0.0;   ///< of readings that are not lost
   double strength = 0.0;  ///< per cent
 };
 
-/// Makes readings of sights: strength, zero offset, and the lost-signal counter, which repeats the last
-/// distance for some misses before it says "lost".
+/// Makes readings of sights: strength, and the lost-signal counter, which repeats the last distance for some
+/// misses before it says "lost".
 class LwnxReader {
  public:
   explicit LwnxReader(const LwnxSettings& settings) : settings_(settings) {}
 
   struct Setup {
-    double zero_offset_m = 0.0;
     std::uint32_t lost_counter = 0;
     bool tells_strength = false;  ///< else a weak echo is a miss: nobody could be warned of it
   };
@@ -71,8 +70,7 @@ class LwnxReader {
 void pack_cm(const LightWareProduct& product, std::uint64_t bits, const LwnxReading& reading,
              std::vector<std::uint8_t>& data);
 
-/// The data of ID 45 (mm): the same fields in four bytes each, or on the GRF-500 five pairs of distance and
-/// strength, of which the first is the echo, and the temperature.
+/// The data of ID 45 (mm): the same fields in four bytes each.
 void pack_mm(const LightWareProduct& product, std::uint64_t bits, const LwnxReading& reading,
              std::vector<std::uint8_t>& data);
 

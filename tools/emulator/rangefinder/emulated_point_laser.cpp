@@ -2,18 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <optional>
 
 namespace slamsensor::tools {
 namespace {
 
 constexpr std::uint32_t kFactoryBaud = 115'200;
-constexpr double kTemperature_c = 23.5;
-constexpr double kFrequencyMax_hz = 40'000.0;
 constexpr std::uint8_t kEscape = 0x1B;
 constexpr std::size_t kLineMax = 80;
 
@@ -30,41 +25,10 @@ std::string text_record(const PointFormat& format, const PointReading& reading) 
   }
   std::string text =
       format.prefix + fixed_text(reading.range_m, format.decimals, format.digits + 1 + format.decimals);
-  if (has_quality(format.extras)) {
+  if (format.extras == PointExtras::Quality) {
     text += " " + fixed_text(std::round(reading.quality), 0, 4);
   }
-  if (has_temperature(format.extras)) {
-    text += " +" + fixed_text(kTemperature_c, 1);
-  }
   return text + "\r\n";
-}
-
-/// `text` in capitals and without spaces at its ends.
-std::string cleaned(std::string_view text) {
-  const std::size_t begin = std::min(text.find_first_not_of(' '), text.size());
-  std::string out(text.substr(begin, text.find_last_not_of(' ') + 1 - begin));
-  std::ranges::transform(out, out.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return out;
-}
-
-/// The numbers in `text`, separated by spaces; nothing when something else stands there.
-std::optional<std::vector<double>> numbers_in(const std::string& text) {
-  std::vector<double> numbers;
-  const char* at = text.c_str();
-  while (*at != '\0') {
-    char* end = nullptr;
-    const double number = std::strtod(at, &end);
-    if (end == at || !std::isfinite(number)) {
-      return std::nullopt;
-    }
-    numbers.push_back(number);
-    at = end;
-    while (*at == ' ') {
-      ++at;
-    }
-  }
-  return numbers;
 }
 
 }  // namespace
@@ -89,30 +53,6 @@ std::size_t point_record_bytes(const PointFormat& format) {
   return record.size();
 }
 
-double lds70a_rate_max_hz(std::uint32_t baud, PointCoding coding, std::size_t bytes) {
-  struct Row {
-    std::uint32_t baud;
-    double binary;
-    std::array<double, 4> decimal;  // of kBytes
-  };
-  constexpr std::array<std::size_t, 4> kBytes = {11, 16, 17, 22};
-  constexpr std::array<Row, 7> kRows = {{{9600, 470, {80, 50, 48, 40}},
-                                         {19'200, 940, {160, 100, 90, 75}},
-                                         {115200, 5750, {1000, 700, 660, 480}},
-                                         {230'400, 11'600, {2000, 1400, 1300, 980}},
-                                         {460'800, 23'200, {4100, 2750, 2500, 1850}},
-                                         {921'600, 40'000, {7300, 4750, 4350, 3300}},
-                                         {2'000'000, 40'000, {12'200, 7850, 6480, 5000}}}};
-  const auto* const row = std::ranges::find_if(kRows, [baud](const Row& each) { return each.baud >= baud; });
-  const Row& found = row != kRows.end() ? *row : kRows.back();
-  if (coding == PointCoding::SevenBit) {
-    return found.binary;
-  }
-  const auto* const width = std::ranges::lower_bound(kBytes, bytes);
-  return width != kBytes.end() ? found.decimal[static_cast<std::size_t>(width - kBytes.begin())]
-                               : found.decimal.back();
-}
-
 PointSettings lds70a_settings() {
   PointSettings settings;
   settings.dialect = PointDialect::Lds70a;
@@ -130,65 +70,25 @@ PointSettings laserace_im_settings() {
   return settings;
 }
 
-PointCommands::PointCommands(const PointSettings& settings)
-    : settings_(settings), format_(settings.format), baud_(settings.baud), frequency_hz_(settings.rate_hz) {
+PointCommands::PointCommands(const PointSettings& settings) : settings_(settings), format_(settings.format) {
 }
 
 PointAnswer PointCommands::run(std::string_view line) {
-  const std::string text = cleaned(line);
-  const std::string command = text.substr(0, 2);
-  const std::string values = cleaned(std::string_view(text).substr(command.size()));
-  if (text == "ID") {
-    return {settings_.identity + "\r\n", PointAction::None};
+  if (line == "DT") {
+    return {"", PointAction::Track};
   }
-  if (text == "DM" || text == "DT") {
-    return {"", text == "DM" ? PointAction::Measure : PointAction::Track};
-  }
-  const auto numbers = numbers_in(values);
-  const bool is_known = !value_of(command).empty();
-  if (!is_known || !numbers || (!numbers->empty() && !set(command, *numbers))) {
+  if (line != "SD 0 0" && line != "SD 0 1") {
     return {"?\r\n", PointAction::None};
   }
-  return {command + " " + value_of(command) + "\r\n", PointAction::None};
+  format_.coding = PointCoding::Decimal;
+  format_.extras = line.back() == '0' ? PointExtras::None : PointExtras::Quality;
+  return {std::string(line) + "\r\n", PointAction::None};
 }
 
-std::string PointCommands::value_of(std::string_view command) const {
-  if (command == "MF") {
-    return fixed_text(frequency_hz_, 0);
-  }
-  if (command == "BR") {
-    return std::to_string(baud_);
-  }
-  return command == "SD" ? "0 " + std::to_string(static_cast<unsigned>(format_.extras)) : "";
-}
-
-bool PointCommands::set(std::string_view command, const std::vector<double>& numbers) {
-  if (command == "MF") {
-    frequency_hz_ = std::clamp(numbers.front(), 1.0, kFrequencyMax_hz);
-  } else if (command == "BR") {
-    constexpr std::array<std::uint32_t, 7> kBauds = {9600,    19'200,  115200,   230'400,
-                                                     460'800, 921'600, 2'000'000};
-    baud_ = *std::ranges::min_element(kBauds, {},
-                                      [&](std::uint32_t each) { return std::abs(each - numbers.front()); });
-  } else {
-    const double extras = numbers.size() > 1 ? numbers[1] : 0.0;
-    if (numbers.front() != 0.0 || !(extras >= 0.0 && extras <= 3.0)) {
-      return false;
-    }
-    format_.coding = PointCoding::Decimal;
-    format_.extras = static_cast<PointExtras>(static_cast<unsigned>(extras));
-  }
-  return true;
-}
-
-double PointCommands::rate_hz() const {
-  if (settings_.dialect == PointDialect::None) {
-    return settings_.rate_hz;
-  }
-  const std::size_t bytes = point_record_bytes(format_);
-  const double carried_hz =
-      baud_ / (10.0 * static_cast<double>(bytes));  // the table allows 1 % more at times
-  return std::min({frequency_hz_, carried_hz, lds70a_rate_max_hz(baud_, format_.coding, bytes)});
+double PointCommands::rate_hz(std::uint32_t baud) const {
+  const double carried_hz = baud / (10.0 * static_cast<double>(point_record_bytes(format_)));
+  return settings_.dialect == PointDialect::None ? settings_.rate_hz
+                                                 : std::min(settings_.rate_hz, carried_hz);
 }
 
 EmulatedPointLaser::EmulatedPointLaser(const PointSettings& settings, ByteSink& sink, RangeScene& scene)
@@ -219,15 +119,11 @@ void EmulatedPointLaser::step(Stamp now) {
     machine_.outbox.put_record(record_, {&now, 1}, now);
   }
   machine_.release(now);
-  if (!machine_.outbox.has_answers()) {
-    line_.set_baud(commands_.baud());  // the answer to BR is still at the old rate
-  }
 }
 
 void EmulatedPointLaser::start_up(Stamp now) {
   machine_.power.go_up();
   text_.clear();
-  line_.set_baud(commands_.baud());
   track(now);
 }
 
@@ -260,16 +156,13 @@ void EmulatedPointLaser::take_line(std::string_view line, Stamp at) {
   if (!answer.text.empty()) {
     put_text(answer.text, at);
   }
-  if (answer.action == PointAction::Measure) {
-    build_record(at);
-    machine_.outbox.put_answer(record_, at, {&at, 1});
-  } else if (answer.action == PointAction::Track) {
+  if (answer.action == PointAction::Track) {
     track(at);
   }
 }
 
 void EmulatedPointLaser::track(Stamp at) {
-  machine_.timer.start_after(at, commands_.rate_hz());
+  machine_.timer.start_after(at, commands_.rate_hz(line_.baud()));
 }
 
 void EmulatedPointLaser::put_text(std::string_view text, Stamp at) {
@@ -285,7 +178,7 @@ PointReading EmulatedPointLaser::read(const Sight& sight) const {
     return {.kind = PointReading::Kind::Error};
   }
   const bool is_odd = sight.kind == SightKind::Weak || sight.kind == SightKind::Saturated;
-  if (!sight.has_echo() || (is_odd && !has_quality(commands_.format().extras))) {
+  if (!sight.has_echo() || (is_odd && commands_.format().extras != PointExtras::Quality)) {
     return {};
   }
   PointReading reading{
@@ -303,7 +196,6 @@ bool EmulatedPointLaser::inject(const Fault& fault) {
       go_down(fault.at + fault.duration);
       return true;
     case FaultKind::BaudReset:
-      commands_.set_baud(kFactoryBaud);
       line_.set_baud(kFactoryBaud);
       return true;
     case FaultKind::StreamStops:

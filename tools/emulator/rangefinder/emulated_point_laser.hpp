@@ -19,7 +19,7 @@ enum class PointCoding : std::uint8_t {
 };
 
 /// What stands in a text record beside the distance; the numbers are those of the LDS70A's command SD.
-enum class PointExtras : std::uint8_t { None = 0, Quality = 1, Temperature = 2, Both = 3 };
+enum class PointExtras : std::uint8_t { None = 0, Quality = 1 };
 
 struct PointFormat {
   PointCoding coding = PointCoding::Decimal;
@@ -39,22 +39,12 @@ struct PointReading {
   double quality = 0.0;
 };
 
-[[nodiscard]] constexpr bool has_quality(PointExtras extras) {
-  return (static_cast<unsigned>(extras) & 1U) != 0;
-}
-[[nodiscard]] constexpr bool has_temperature(PointExtras extras) {
-  return (static_cast<unsigned>(extras) & 2U) != 0;
-}
-
 /// The record of `reading`. A distance that does not fit is written as if nothing had come back.
 void build_point_record(const PointFormat& format, const PointReading& reading,
                         std::vector<std::uint8_t>& out);
 
 /// Bytes of the record of a distance.
 [[nodiscard]] std::size_t point_record_bytes(const PointFormat& format);
-
-/// Most readings per second at `baud` for a record of `bytes` bytes (LDS70A manual, table 7).
-[[nodiscard]] double lds70a_rate_max_hz(std::uint32_t baud, PointCoding coding, std::size_t bytes);
 
 /// Which commands a point laser takes.
 enum class PointDialect : std::uint8_t {
@@ -82,7 +72,7 @@ struct PointSettings {
 };
 
 /// ASTECH LDS70A (user manual, pages 34 to 56). The layout of its records is chosen to have the widths of
-/// table 7: 11, 16, 17 or 22 bytes of text.
+/// table 7: 11 or 16 bytes of text.
 [[nodiscard]] PointSettings lds70a_settings();
 
 /// MDL LaserAce IM HR. Unverified: nothing is public but 1 kHz, 300 m and a resolution of 0.1 m; the record,
@@ -90,37 +80,29 @@ struct PointSettings {
 [[nodiscard]] PointSettings laserace_im_settings();
 
 /// What the device does besides answering a command.
-enum class PointAction : std::uint8_t { None, Measure, Track };
+enum class PointAction : std::uint8_t { None, Track };
 
 struct PointAnswer {
   std::string text;  ///< with its line ends
   PointAction action = PointAction::None;
 };
 
-/// The commands of an LDS70A by which a driver sets it up: ID, DM (measure once), DT (measure on and on), MF
-/// (frequency), BR (line rate) and SD 0 n (record). What they set counts at once.
+/// The commands of an LDS70A by which a driver sets it up: SD 0 n (record) and DT (measure on and on).
 class PointCommands {
  public:
   explicit PointCommands(const PointSettings& settings);
 
-  /// Does `line`, which came without its CR. Unknown commands and wrong values are answered "?".
+  /// Does `line`, which came without its CR. Any other command is answered "?".
   [[nodiscard]] PointAnswer run(std::string_view line);
 
   [[nodiscard]] const PointFormat& format() const { return format_; }
-  [[nodiscard]] std::uint32_t baud() const { return baud_; }
-  void set_baud(std::uint32_t baud) { baud_ = baud; }
 
-  /// Readings per second: what was asked for, at most what the manual's table 7 and the line allow.
-  [[nodiscard]] double rate_hz() const;
+  /// Readings per second at `baud`: those of the settings, of an LDS70A at most what the line carries.
+  [[nodiscard]] double rate_hz(std::uint32_t baud) const;
 
  private:
-  [[nodiscard]] std::string value_of(std::string_view command) const;
-  [[nodiscard]] bool set(std::string_view command, const std::vector<double>& numbers);
-
   const PointSettings& settings_;
   PointFormat format_;
-  std::uint32_t baud_;
-  double frequency_hz_;
 };
 
 /// A laser that writes one record for each reading on a serial line: ASTECH LDS70A with its commands, or any

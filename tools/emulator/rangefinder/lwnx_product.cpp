@@ -99,51 +99,31 @@ std::int64_t baud_value(const LightWareProduct& product) {
   return lwnx_baud_value(product.baud).value_or(4);
 }
 
-/// What every product has: identity, user data, token, save, reset, stream, data, laser.
+/// What every product has: name, token, save, reset, stream, data, laser.
 void add_common(LightWareProduct& product) {
-  add(product, {{0, 16, {}},
-                {1, 4, {}, kLost, 11},
-                {2, 4, {}, kLost, 0x010604},
-                {3, 16, {}},
-                {9, 16, 16, kSaved},
-                {10, 2, {}},
-                {12, 0, 2},
-                {14, 0, 2},
-                {30, 4, 4},
-                {44, 1, {}},
-                {50, 1, 1, kLost, 1}});
+  add(product,
+      {{0, 16, {}}, {10, 2, {}}, {12, 0, 2}, {14, 0, 2}, {30, 4, 4}, {44, 1, {}}, {50, 1, 1, kLost, 1}});
 }
 
 /// LW20 manual, revision 10. SF20 is the same device.
 LightWareProduct lw20(const char* name) {
   LightWareProduct product;
   product.name = name;
-  product.ids = {27, 55, 93, 70, 85, 94, 95, 90};
+  product.ids = {27, 93, 70, 95, 90};
   product.unanswered_first = 1;
   product.unanswered_packets = 1;
   product.rates_hz = {48, 55, 64, 77, 97, 129, 194, 388};
   using enum LwnxField;
-  product.fields = {Raw,      Filtered, Filtered, Filtered, Strength, Raw,
-                    Filtered, Filtered, Filtered, Strength, Noise};
-  product.streams = {
-      {0, LwnxStream::Off}, {1, LwnxStream::Raw}, {5, LwnxStream::Cm}, {10, LwnxStream::Ignored}};
+  product.fields = {Raw, Filtered, Filtered, Filtered, Strength, Raw, Filtered, Filtered, Filtered, Strength};
+  product.streams = {{0, LwnxStream::Off}, {1, LwnxStream::Raw}, {5, LwnxStream::Cm}};
   add_common(product);
-  add(product, {{20, 4, {}, kLost, 5000},
-                {27, 4, 4, kLost, 0x11},
+  add(product, {{27, 4, 4, kLost, 0x11},
                 {28, 1, 1, kSaved},
                 {40, 1, {}},
-                {55, 4, {}, kLost, 2350},
                 {70, 1, 1},
-                {85, 4, {}, kLost, 12},
-                {88, 2, {}},
                 {90, 1, 1, kSaved, 4},
-                {91, 1, 1, kSaved, 0x66},
                 {93, 1, 1, kSaved, 8},
-                {94, 4, 4, kSaved},
-                {95, 4, 4, kSaved, 1},
-                {96, 4, 4, kSaved, 500},
-                {97, 4, 4, kSaved, 500},
-                {98, 4, 4, kSaved, 10}});
+                {95, 4, 4, kSaved, 1}});
   return product;
 }
 
@@ -154,18 +134,10 @@ LightWareProduct sf_family(const char* name) {
   // Not published; as far as the codes of the LW20 go they are taken to mean the same.
   product.rates_hz = {48, 55, 64, 77, 97, 129, 194, 388, 625, 1250, 2500, 5000};
   using enum LwnxField;
-  product.fields = {Raw, Filtered, Strength, Raw, Filtered, Strength, Noise, Temperature};
-  product.streams = {
-      {0, LwnxStream::Off}, {5, LwnxStream::Cm}, {6, LwnxStream::Mm}, {10, LwnxStream::Ignored}};
+  product.fields = {Raw, Filtered, Strength, Raw, Filtered, Strength};
+  product.streams = {{0, LwnxStream::Off}, {5, LwnxStream::Cm}, {6, LwnxStream::Mm}};
   add_common(product);
-  add(product, {{27, 4, 4, kSaved, 0x05},
-                {45, 1, {}},
-                {57, 4, {}, kLost, 2350},
-                {66, 1, 1, kSaved, 8},
-                {74, 4, {}, kLost, 12},
-                {75, 4, 4, kSaved},
-                {76, 4, 4, kSaved, 1},
-                {80, 1, 1, kSaved, 0x66}});
+  add(product, {{27, 4, 4, kSaved, 0x05}, {45, 1, {}}, {66, 1, 1, kSaved, 8}, {76, 4, 4, kSaved, 1}});
   return product;
 }
 
@@ -176,7 +148,7 @@ LightWareProduct sf11() {
   product.unanswered_packets = 1;  // its sample sends one to switch LWNX on
   product.rates_hz = {20};
   product.find(66)->initial = 1;
-  product.streams = {{0, LwnxStream::Off}, {1, LwnxStream::Ignored}, {5, LwnxStream::Cm}};
+  product.streams = {{0, LwnxStream::Off}, {5, LwnxStream::Cm}};
   return product;
 }
 
@@ -184,23 +156,15 @@ LightWareProduct sf45b() {
   LightWareProduct product = sf_family("SF45");
   product.baud = 921600;
   product.rates_hz = {50, 100, 200, 400, 500, 625, 1000, 1250, 1538, 2000, 2500, 5000};
-  product.fields.push_back(LwnxField::Yaw);
   product.find(66)->initial = 1;
-  add(product, {{85, 2, 2, kSaved, 5},
-                {93, 1, {}},
-                {94, 1, 1, kSaved},
-                {96, 1, 1},
-                {97, 4, 4},
-                {98, 4, 4, kSaved},
-                {99, 4, 4, kSaved}});
   return product;
 }
 
-/// SF30/D samples: distance output 29, update rate 76 (value 8 is 78 readings per second), return mode 77.
+/// SF30/D samples: distance output 29, update rate 76 (value 8 is 78 readings per second).
 LightWareProduct sf30d() {
   LightWareProduct product = sf_family("SF30/D");
   product.baud = 921600;
-  product.ids = {29, 55, 76, 255, 85, 114, 78, 91};
+  product.ids = {29, 76, 255, 78, 91};
   product.first_rate_value = 0;
   product.rates_hz.clear();
   constexpr double kFull_hz = 20'010.0;
@@ -210,16 +174,8 @@ LightWareProduct sf30d() {
   product.streams = {{0, LwnxStream::Off}, {5, LwnxStream::Cm}, {6, LwnxStream::Mm}, {11, LwnxStream::Raw}};
   product.registers.clear();
   add_common(product);
-  add(product, {{29, 4, 4, kLost, 0x05},
-                {40, 1, {}},
-                {45, 1, {}},
-                {55, 4, {}, kLost, 2350},
-                {76, 1, 1, kSaved, 4},
-                {77, 2, 2, kSaved},
-                {78, 4, 4, kSaved, 1},
-                {85, 4, {}, kLost, 12},
-                {92, 1, 1, kSaved, 0x66},
-                {114, 4, 4, kSaved}});
+  add(product,
+      {{29, 4, 4, kLost, 0x05}, {40, 1, {}}, {45, 1, {}}, {76, 1, 1, kSaved, 4}, {78, 4, 4, kSaved, 1}});
   return product;
 }
 
@@ -227,41 +183,16 @@ LightWareProduct sf30d() {
 LightWareProduct grf500() {
   LightWareProduct product;
   product.name = "GRF-500";
-  product.ids = {27, 55, 74, 255, 255, 114, 78, 91};
+  product.ids = {27, 74, 255, 78, 91};
   using enum LwnxField;
-  product.fields = {Raw, Filtered, Strength, Raw, Filtered, Strength, Temperature, Alarm};
+  product.fields = {Raw, Filtered, Strength, Raw, Filtered, Strength};
   product.cm_field_bytes = 4;
   product.cm_units_per_m = 10.0;
-  product.mm_signals = 5;
   product.no_return = -10;
-  product.no_return_mm = -1000;
   product.lost_counter_min = 1;
-  product.zero_offset_unit_m = 0.1;
-  product.streams = {{0, LwnxStream::Off}, {5, LwnxStream::Cm}, {6, LwnxStream::Mm}};
+  product.streams = {{0, LwnxStream::Off}, {5, LwnxStream::Cm}};
   add_common(product);
-  add(product, {{27, 4, 4, kSaved, 0x07},
-                {45, 1, {}},
-                {55, 4, {}, kLost, 2350},
-                {70, 1, 1, kSaved, 1},
-                {74, 4, 4, kSaved, 50},
-                {76, 2, {}},
-                {77, 1, 1, kSaved},
-                {78, 4, 4, kSaved, 1},
-                {79, 4, 4, kSaved, 500},
-                {80, 4, 4, kSaved, 500},
-                {81, 4, 4, kSaved, 10},
-                {83, 1, 1, kSaved},
-                {84, 4, 4, kSaved},
-                {86, 1, 1, kSaved},
-                {87, 4, 4, kSaved, 3},
-                {88, 1, 1, kSaved},
-                {89, 4, 4, kSaved, 50},
-                {92, 1, 1, kSaved, 0x66},
-                {93, 1, 1, kSaved},
-                {94, 4, 4, kSaved, 2},
-                {98, 0, 1},
-                {110, 1, 1, kSaved, 1},
-                {114, 4, 4, kSaved}});
+  add(product, {{27, 4, 4, kSaved, 0x07}, {74, 4, 4, kSaved, 50}, {78, 4, 4, kSaved, 1}});
   return product;
 }
 
@@ -345,10 +276,6 @@ std::span<const std::uint8_t> LwnxRegisters::bytes(std::uint8_t id) const {
 
 std::uint64_t LwnxRegisters::value(std::uint8_t id) const {
   return little_endian(now_[id]);
-}
-
-std::int32_t LwnxRegisters::signed_value(std::uint8_t id) const {
-  return static_cast<std::int32_t>(static_cast<std::uint32_t>(value(id)));
 }
 
 void LwnxRegisters::set(std::uint8_t id, std::span<const std::uint8_t> bytes) {

@@ -94,34 +94,27 @@ enum class LwnxField : std::uint8_t {
   Raw,
   Filtered,  ///< closest, median or furthest of the last few: reported as the raw one
   Strength,  ///< per cent
-  Noise,
-  Temperature,  ///< 1/100 degC
-  Yaw,          ///< 1/100 deg; the motor is idle
-  Alarm,
 };
 
 /// What streams under a value of the stream command.
 enum class LwnxStream : std::uint8_t {
   Off,
-  Raw,      ///< ID 40, many readings in a packet
-  Cm,       ///< ID 44
-  Mm,       ///< ID 45
-  Ignored,  ///< a histogram or waveform, which is not emulated
+  Raw,  ///< ID 40, many readings in a packet
+  Cm,   ///< ID 44
+  Mm,   ///< ID 45
 };
 
 /// IDs of the commands whose number differs from product to product; 255 where a product has none.
 struct LwnxIds {
   std::uint8_t distance_output = 27;
-  std::uint8_t temperature = 57;
   std::uint8_t update_rate = 66;
   std::uint8_t high_speed = 255;
-  std::uint8_t noise = 74;
-  std::uint8_t zero_offset = 75;
   std::uint8_t lost_counter = 76;
   std::uint8_t baud = 79;
 };
 
-/// A LightWare product as its manual, LightWare's samples and the public drivers describe it.
+/// What a driver meets of a LightWare product, as its manual, LightWare's samples and the public drivers
+/// describe it.
 struct LightWareProduct {
   std::string name;  ///< answer to command 0
   LwnxIds ids;
@@ -129,12 +122,10 @@ struct LightWareProduct {
   std::vector<LwnxField> fields;    ///< bit 0 first
   std::uint8_t cm_field_bytes = 2;  ///< of a field in ID 44
   double cm_units_per_m = 100.0;    ///< of distances in ID 44
-  std::uint8_t mm_signals = 0;      ///< ID 45: pairs of distance and strength; 0: the fields, 4 bytes each
   std::vector<std::pair<std::uint32_t, LwnxStream>> streams;
   std::vector<double> rates_hz;        ///< of the values of update_rate; empty: the value is Hz x 10
   std::uint32_t first_rate_value = 1;  ///< that stands for rates_hz.front()
   std::uint32_t lost_counter_min = 0;
-  double zero_offset_unit_m = 0.001;
   std::uint32_t baud = 115200;          ///< from the factory
   std::uint8_t unanswered_first = 0;    ///< serial commands after power-up that choose the interface
   std::uint8_t unanswered_packets = 0;  ///< packets after that which only switch LWNX on
@@ -171,9 +162,6 @@ class LwnxRegisters {
 
   /// The same as a number; 0 for a command the product does not have.
   [[nodiscard]] std::uint64_t value(std::uint8_t id) const;
-
-  /// The same as a signed number of four bytes.
-  [[nodiscard]] std::int32_t signed_value(std::uint8_t id) const;
 
   void set(std::uint8_t id, std::span<const std::uint8_t> bytes);
   void set(std::uint8_t id, std::uint64_t value);

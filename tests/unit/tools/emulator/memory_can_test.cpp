@@ -141,13 +141,6 @@ TEST(MemoryCan, AFullQueueIsBusy) {
   EXPECT_EQ(rig.link.send(frame_of(0x500)), LinkStatus::Ok);
 }
 
-TEST(MemoryCan, RefusesFramesThatNoBusTakes) {
-  Rig rig;
-  rig.go(0ns);
-  EXPECT_EQ(rig.link.send(frame_of(0x800)), LinkStatus::Down);
-  EXPECT_EQ(rig.link.send(frame_of(0x100, 9)), LinkStatus::Down);
-}
-
 TEST(MemoryCan, DownAndBusOffLoseFramesAndComeBackWithANewEpoch) {
   for (const FaultKind kind : {FaultKind::InterfaceDown, FaultKind::BusOff}) {
     Rig rig;

