@@ -99,8 +99,7 @@ void read_landmarks(const MapFrameSection& section, MapFile& map) {
     landmark.last_scan = in.take<std::uint32_t>();
     map.positions_W[i].x() = in.take_double();
     map.positions_W[i].y() = in.take_double();
-    landmark.sigma_m =
-        section.record_bytes == kLandmarkBytesV2 ? 0.0F : std::bit_cast<float>(in.take<std::uint32_t>());
+    landmark.sigma_m = std::bit_cast<float>(in.take<std::uint32_t>());
   }
 }
 

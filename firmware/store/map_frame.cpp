@@ -44,10 +44,10 @@ Outcome check_magic(Bytes file) {
                                          " and is not a map of slamsensor; name a .slammap file");
 }
 
-/// The version of the format, when prefix and size are sound.
-tl::expected<std::uint32_t, MapFileError> read_prefix(Bytes file) {
+/// Whether prefix and size are sound, and the version is the one that is known.
+Outcome check_prefix(Bytes file) {
   if (const Outcome magic = check_magic(file); !magic) {
-    return tl::unexpected(magic.error());
+    return magic;
   }
   if (file.size() < kMapPrefixBytes) {
     return damaged(file.size(),
@@ -66,7 +66,7 @@ tl::expected<std::uint32_t, MapFileError> read_prefix(Bytes file) {
                                           "; this program reads version " + std::to_string(kMapVersion) +
                                           ": install a newer slamsensor");
   }
-  if (version < kMapVersionOldest) {
+  if (version < kMapVersion) {
     return damaged(8, "there is no format version " + std::to_string(version));
   }
   if (sections != kMapSectionTags.size()) {
@@ -76,12 +76,11 @@ tl::expected<std::uint32_t, MapFileError> read_prefix(Bytes file) {
   if (size != file.size()) {
     return damaged(16, "it claims " + std::to_string(size) + " bytes and has " + std::to_string(file.size()));
   }
-  return version;
+  return {};
 }
 
 /// The section at `begin`, when its head and checksum are sound.
-tl::expected<MapFrameSection, MapFileError> read_section(Bytes file, std::size_t begin, MapSection wanted,
-                                                         std::uint32_t version) {
+tl::expected<MapFrameSection, MapFileError> read_section(Bytes file, std::size_t begin, MapSection wanted) {
   const std::string name(kMapSectionTags[static_cast<std::size_t>(wanted)]);
   const Bytes rest = file.subspan(begin);
   if (rest.size() < kSectionHeadBytes) {
@@ -96,11 +95,11 @@ tl::expected<MapFrameSection, MapFileError> read_section(Bytes file, std::size_t
   section.record_bytes = in.take<std::uint32_t>();
   const auto told = in.take<std::uint32_t>();
   section.begin = begin + kSectionHeadBytes;
-  const std::uint32_t fixed = record_bytes_of(wanted, version);
+  const std::uint32_t fixed = record_bytes_of(wanted);
   if (fixed != 0 ? section.record_bytes != fixed : section.records != 1) {
     return damaged(begin + 4, "section " + name + ": " + std::to_string(section.records) + " records of " +
                                   std::to_string(section.record_bytes) + " bytes are not of version " +
-                                  std::to_string(version));
+                                  std::to_string(kMapVersion));
   }
   const std::uint64_t size = std::uint64_t{section.records} * section.record_bytes;
   if (size > in.left()) {
@@ -122,14 +121,13 @@ tl::unexpected<MapFileError> damaged(std::size_t byte, const std::string& what) 
 }
 
 tl::expected<MapFrame, MapFileError> read_frame(Bytes bytes) {
-  const auto version = read_prefix(bytes);
-  if (!version) {
-    return tl::unexpected(version.error());
+  if (const Outcome prefix = check_prefix(bytes); !prefix) {
+    return tl::unexpected(prefix.error());
   }
   MapFrame frame;
   std::size_t begin = kMapPrefixBytes;
   for (std::uint32_t s = 0; s < kMapSectionTags.size(); ++s) {
-    auto section = read_section(bytes, begin, static_cast<MapSection>(s), *version);
+    auto section = read_section(bytes, begin, static_cast<MapSection>(s));
     if (!section) {
       return tl::unexpected(std::move(section.error()));
     }

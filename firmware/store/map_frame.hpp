@@ -36,12 +36,9 @@ namespace slamsensor::firmware {
 /// LAND (a landmark)  id, xi, parents (3), sightings, chances, first and last scan u32, x, y f64, sigma f32
 /// PATH (a pose)      scan u32, xi u32, x, y, heading f64
 ///
-/// Version 2 is read, too: its landmarks have no sigma.
-///
 /// The magic begins with a byte that no text begins with and shows a transfer in text mode, as PNG's does.
 inline constexpr std::array<std::uint8_t, 8> kMapMagic{0x89, 'S', 'L', 'M', '\r', '\n', 0x1A, '\n'};
 inline constexpr std::uint32_t kMapVersion = 3;
-inline constexpr std::uint32_t kMapVersionOldest = 2;
 inline constexpr std::size_t kMapPrefixBytes = 28;
 inline constexpr std::size_t kSectionHeadBytes = 16;
 
@@ -58,14 +55,11 @@ inline constexpr std::uint8_t kInfoSurveyed = 4;
 enum class MapSection : std::uint8_t { Info, Landmarks, Path };
 inline constexpr std::array<std::string_view, 3> kMapSectionTags{"INFO", "LAND", "PATH"};
 
-inline constexpr std::uint32_t kLandmarkBytesV2 = 52;
-
 /// Bytes of a record; 0: it says so itself.
-[[nodiscard]] constexpr std::uint32_t record_bytes_of(MapSection section,
-                                                      std::uint32_t version = kMapVersion) noexcept {
+[[nodiscard]] constexpr std::uint32_t record_bytes_of(MapSection section) noexcept {
   switch (section) {
     case MapSection::Landmarks:
-      return version == 2 ? kLandmarkBytesV2 : 56;
+      return 56;
     case MapSection::Path:
       return 32;
     case MapSection::Info:

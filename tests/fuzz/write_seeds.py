@@ -213,7 +213,7 @@ SEEDS = {
         "full": b"weight,scan,y_m,diameter_m,x_m\n0.5,7,1,0.3,2\n0.5,7,-1,0.4,2\n",
         "bad": b"scan,x_m,y_m\n1.5,0,0\n",
     },
-    "map_file": {"golden": write_golden.golden(), "version2": write_golden.golden(version=2)},
+    "map_file": {"golden": write_golden.golden()},
     "map_csv": {
         "plain": b"id,x_m,y_m\n1,0,0\n2,10.5,-3\n",
         "more": b"y_m,xi,id,x_m\n1,0,9,2\n",

@@ -42,14 +42,13 @@ def text(characters):
     return struct.pack("<H", len(characters)) + characters
 
 
-def golden(flags=1, version=3):
-    """Flags: 1 it has a datum, 2 it is marked frozen, 4 it is a survey, which is frozen too. Version 2 had no sigma."""
-    record = 52 if version == 2 else 56
+def golden(flags=1):
+    """Flags: 1 it has a datum, 2 it is marked frozen, 4 it is a survey, which is frozen too."""
     info = struct.pack("<QqqQQQII", SAVES, CREATED, SAVED, WEIGHT, EVICTED, THINNINGS, NEXT_ID, SCANS)
     info += struct.pack("<dddII", *METHOD) + struct.pack("<Bdddd", flags, *DATUM) + text(NAME)
-    land = b"".join(struct.pack("<9Iddf", l[0], l[1], *l[2], *l[3:])[:record] for l in LANDMARKS)
+    land = b"".join(struct.pack("<9Iddf", l[0], l[1], *l[2], *l[3:]) for l in LANDMARKS)
     path = b"".join(struct.pack("<IIddd", *pose) for pose in PATH)
-    return file(version, [section(b"INFO", 1, len(info), info), section(b"LAND", len(LANDMARKS), record, land),
+    return file(3, [section(b"INFO", 1, len(info), info), section(b"LAND", len(LANDMARKS), 56, land),
                           section(b"PATH", len(PATH), 32, path)])
 
 
@@ -63,7 +62,6 @@ def header():
     return ("#pragma once\n\n#include <string_view>\n\nnamespace slamsensor::tests {\n\n"
             "/// The sample map in hex: written by tests/store/write_golden.py.\n"
             + literal("kGoldenMap", golden()) + literal("kGoldenFrozenMap", golden(3))
-            + literal("kGoldenMapOfVersion2", golden(version=2))
             + "\n}  // namespace slamsensor::tests\n")
 
 

@@ -170,7 +170,7 @@ std::vector<Damage> lying_files() {
       {"NewerVersion", [] { return with_prefix(8, 4, 4); },
        "byte 8: the format is version 4; this program reads version 3: install a newer slamsensor"},
       {"VersionZero", [] { return with_prefix(8, 0, 4); }, damaged("byte 8: there is no format version 0")},
-      {"OlderVersion", [] { return with_prefix(8, 1, 4); }, damaged("byte 8: there is no format version 1")},
+      {"OlderVersion", [] { return with_prefix(8, 2, 4); }, damaged("byte 8: there is no format version 2")},
       {"FourSections", [] { return with_prefix(12, 4, 4); },
        damaged("byte 12: it claims 4 sections; version 3 has 3")},
       {"HugeSize", [] { return with_prefix(16, UINT64_MAX, 8); },

@@ -122,20 +122,6 @@ TEST(MapFile, TheGoldenFileIsTheSample) {
   EXPECT_TRUE(same_bytes(map->path, sample.path));
 }
 
-TEST(MapFile, OfVersion2ItIsReadWithoutSigmas) {
-  const auto map = decode_map(tests::from_hex(tests::kGoldenMapOfVersion2), unlimited_capacities());
-  ASSERT_TRUE(map) << map.error().message;
-  MapFile sample = tests::sample_map();
-  for (core::MapLandmark& landmark : sample.landmarks) {
-    landmark.sigma_m = 0.0F;
-  }
-  expect_same_about(map->about, sample.about);
-  expect_same_numbers(map->numbers, sample.numbers);
-  EXPECT_TRUE(same_bytes(map->landmarks, sample.landmarks));
-  EXPECT_TRUE(same_bytes(map->positions_W, sample.positions_W));
-  EXPECT_TRUE(same_bytes(map->path, sample.path));
-}
-
 TEST(MapFile, RandomMapsComeBackBitForBit) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     tests::Draw draw(seed);
