@@ -1,6 +1,6 @@
 #include "firmware/daemon/map_keeper.hpp"
 
-#include "firmware/store/map_frame.hpp"
+#include "firmware/store/map_file.hpp"
 
 #include <algorithm>
 #include <utility>

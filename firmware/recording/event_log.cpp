@@ -1,6 +1,6 @@
 #include "firmware/recording/event_log.hpp"
 
-#include "firmware/store/map_frame.hpp"
+#include "firmware/store/map_file.hpp"
 
 #include <array>
 #include <cerrno>

@@ -1,6 +1,6 @@
 #include "firmware/store/map_names.hpp"
 
-#include "firmware/store/map_frame.hpp"
+#include "firmware/store/map_file.hpp"
 #include "firmware/store/store_io.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "firmware/store/map_store.hpp"
 
-#include "firmware/store/map_frame.hpp"
+#include "firmware/store/map_file.hpp"
 #include "firmware/store/map_names.hpp"
 
 #include <algorithm>

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <string_view>
 #include <sys/socket.h>
@@ -51,6 +53,21 @@ struct UnixAddress {
 
 /// The address of `name`: a path, or with a leading '@' a name of Linux' abstract space. None when it is
 /// empty, longer than kUnixPathMax or holds a zero.
-[[nodiscard]] std::optional<UnixAddress> unix_address(std::string_view name) noexcept;
+[[nodiscard]] inline std::optional<UnixAddress> unix_address(std::string_view name) noexcept {
+  if (name.empty() || name == "@" || name.size() > kUnixPathMax || name.find('\0') != name.npos) {
+    return std::nullopt;
+  }
+  UnixAddress address;
+  address.bytes.sun_family = AF_UNIX;
+  std::copy(name.begin(), name.end(), address.bytes.sun_path);
+  const bool is_abstract = name.front() == '@';
+  if (is_abstract) {
+    address.bytes.sun_path[0] = '\0';
+  }
+  // An abstract name ends where the size says, a path with its zero.
+  address.size =
+      static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + name.size() + (is_abstract ? 0 : 1));
+  return address;
+}
 
 }  // namespace slamsensor::firmware

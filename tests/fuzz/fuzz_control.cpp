@@ -1,4 +1,4 @@
-#include "firmware/control/control_session.hpp"
+#include "firmware/control/control_server.hpp"
 #include "tests/unit/firmware/control/fake_control_target.hpp"
 
 #include <algorithm>

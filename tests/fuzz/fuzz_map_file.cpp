@@ -1,5 +1,4 @@
 #include "firmware/store/map_file.hpp"
-#include "firmware/store/map_frame.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -5,7 +5,7 @@
 #include "tools/commands/command.hpp"
 #include "tools/output/text_output.hpp"
 #include "tools/plot/curve_plot.hpp"
-#include "tools/plot/picture_file.hpp"
+#include "tools/plot/svg.hpp"
 #include "tools/world/random.hpp"
 
 #include <CLI/CLI.hpp>

@@ -3,7 +3,6 @@
 #include "firmware/arena_block.hpp"
 #include "hal/stamp.hpp"
 #include "tools/commands/command.hpp"
-#include "tools/input/left_out.hpp"
 #include "tools/input/scan_source.hpp"
 #include "tools/input/text_files.hpp"
 #include "tools/map_files/open_map.hpp"

@@ -2,6 +2,7 @@
 
 #include "core/reading.hpp"
 #include "firmware/config/sensor_config.hpp"
+#include "tools/input/scan_source.hpp"
 #include "tools/input/text.hpp"
 
 #include <tl/expected.hpp>
@@ -110,5 +111,23 @@ class ScanSource {
 /// in `config` is not positive.
 [[nodiscard]] tl::expected<std::unique_ptr<ScanSource>, InputError> open_scans(
     std::span<const std::filesystem::path> inputs, const firmware::Config& config);
+
+/// What scans held that was not used, counted over a run.
+struct LeftOut {
+  std::uint64_t landmarks_beyond_max = 0;  ///< of lists longer than detection.landmarks_max
+  std::uint64_t scans_beyond_max = 0;      ///< those lists
+  std::size_t landmarks_most = 0;          ///< in the longest of them
+  std::uint64_t landmarks_at_one_place = 0;
+  std::uint64_t zero_ranges = 0;  ///< readings of 0 m or less
+
+  void see(const InputScan& scan);
+  /// A list of which `used` landmarks were used and `beyond_max` were too many.
+  void see_list(std::size_t used, std::size_t beyond_max);
+  void add(const LeftOut& other);
+
+  /// For a summary: a line per kind, each with its number and what can be done; empty when nothing was left
+  /// out.
+  [[nodiscard]] std::string text() const;
+};
 
 }  // namespace slamsensor::tools

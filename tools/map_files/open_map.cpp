@@ -1,6 +1,6 @@
 #include "tools/map_files/open_map.hpp"
 
-#include "firmware/store/map_frame.hpp"
+#include "firmware/store/map_file.hpp"
 #include "firmware/store/map_names.hpp"
 #include "firmware/store/map_store.hpp"
 #include "firmware/store/store_io.hpp"

@@ -1,6 +1,6 @@
 #include "tools/output/text_output.hpp"
 
-#include "firmware/store/map_frame.hpp"
+#include "firmware/store/map_file.hpp"
 #include "tools/input/text.hpp"
 
 #include <algorithm>

@@ -1,7 +1,11 @@
 #pragma once
 
 #include "core/geometry/pose2.hpp"
+#include "tools/output/text_output.hpp"
 
+#include <tl/expected.hpp>
+
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -94,5 +98,14 @@ class SvgWriter {
 /// wrapped to `width_px`. Returns the y of the lower end, px.
 double draw_heading(SvgWriter& svg, const std::string& title, const std::vector<std::string>& summary,
                     const core::Point2& corner_px, double width_px);
+
+/// Draws the SVG file `svg` as the PNG file `png`, twice as large as the SVG says, by rsvg-convert (Debian's
+/// librsvg2-bin). The error says what to install when it is not there.
+[[nodiscard]] tl::expected<void, OutputError> draw_png(const std::filesystem::path& svg,
+                                                       const std::filesystem::path& png);
+
+/// `path` holds the picture `svg`. A name that ends in .png gets a PNG, and the SVG stands beside it.
+[[nodiscard]] tl::expected<void, OutputError> write_picture(const std::filesystem::path& path,
+                                                            std::string_view svg);
 
 }  // namespace slamsensor::tools

@@ -4,7 +4,6 @@
 #include "core/slam.hpp"
 #include "firmware/config/sensor_config.hpp"
 #include "tools/eval/evaluation.hpp"
-#include "tools/input/left_out.hpp"
 #include "tools/input/scan_source.hpp"
 #include "tools/input/text.hpp"
 #include "tools/output/result_files.hpp"

@@ -4,7 +4,7 @@
 #include "firmware/arena_block.hpp"
 #include "tools/commands/command.hpp"
 #include "tools/input/scan_source.hpp"
-#include "tools/plot/picture_file.hpp"
+#include "tools/plot/svg.hpp"
 #include "tools/report/correspondence_figure.hpp"
 #include "tools/report/scan_figures.hpp"
 

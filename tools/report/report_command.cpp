@@ -4,7 +4,7 @@
 #include "tools/input/text.hpp"
 #include "tools/input/text_files.hpp"
 #include "tools/output/text_output.hpp"
-#include "tools/plot/picture_file.hpp"
+#include "tools/plot/svg.hpp"
 #include "tools/report/report_plots.hpp"
 
 #include <CLI/CLI.hpp>

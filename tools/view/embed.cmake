@@ -12,6 +12,6 @@ foreach(file "index.html|/|text/html" "view.css|/view.css|text/css" "view.js|/vi
   string(APPEND arrays "constexpr char ${id}[] = {${bytes}};\n")
   string(APPEND entries "      {\"${path}\", \"${type}; charset=utf-8\", {${id}, sizeof ${id}}},\n")
 endforeach()
-file(WRITE ${OUT} "#include \"tools/view/page_files.hpp\"\n\nnamespace slamsensor::tools {\nnamespace {\n\n${arrays}\n}  // namespace\n\n\
+file(WRITE ${OUT} "#include \"tools/view/view_server.hpp\"\n\nnamespace slamsensor::tools {\nnamespace {\n\n${arrays}\n}  // namespace\n\n\
 const std::array<PageFile, 3>& page_files() {\n  static constexpr std::array<PageFile, 3> kFiles{{\n${entries}  }};\n\
   return kFiles;\n}\n\n}  // namespace slamsensor::tools\n")

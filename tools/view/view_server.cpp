@@ -1,6 +1,5 @@
 #include "tools/view/view_server.hpp"
 
-#include "tools/view/page_files.hpp"
 #include "tools/view/story_json.hpp"
 
 #include <nlohmann/json.hpp>

@@ -5,12 +5,23 @@
 
 #include <tl/expected.hpp>
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 
 namespace slamsensor::tools {
+
+/// A file of the page (tools/view/page), built into the program.
+struct PageFile {
+  std::string_view path;
+  std::string_view type;
+  std::string_view content;
+};
+
+[[nodiscard]] const std::array<PageFile, 3>& page_files();
 
 /// What a page may be told to do, and whether it may.
 struct ViewControl {

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <limits>
+#include <numbers>
 #include <random>
 
 namespace slamsensor::tools {
@@ -35,10 +38,18 @@ using Random = std::mt19937_64;
 }
 
 /// Normal with mean 0 and standard deviation 1 (Box and Muller); always two engine draws.
-[[nodiscard]] double draw_normal(Random& rng) noexcept;
+[[nodiscard]] inline double draw_normal(Random& rng) noexcept {
+  const double radius = std::sqrt(-2.0 * std::log1p(-draw_unit(rng)));
+  return radius * std::cos(2.0 * std::numbers::pi * draw_unit(rng));
+}
 
 /// How far a ray gets in a medium that stops it `stops_per_m` times per metre, m, from a uniform `unit` in
 /// [0, 1). Infinite in a medium that stops nothing.
-[[nodiscard]] double free_path_m(double unit, double stops_per_m) noexcept;
+[[nodiscard]] inline double free_path_m(double unit, double stops_per_m) noexcept {
+  if (stops_per_m <= 0.0) {
+    return std::numeric_limits<double>::infinity();
+  }
+  return -std::log1p(-unit) / stops_per_m;
+}
 
 }  // namespace slamsensor::tools

@@ -1,5 +1,5 @@
 // Broken map files: each is refused with the message that its user reads.
-#include "firmware/store/map_frame.hpp"
+#include "firmware/store/map_file.hpp"
 #include "firmware/store/map_store.hpp"
 #include "firmware/store/store_io.hpp"
 #include "firmware/supervision/file_descriptor.hpp"

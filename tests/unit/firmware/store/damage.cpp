@@ -1,6 +1,6 @@
 #include "tests/unit/firmware/store/damage.hpp"
 
-#include "firmware/store/map_frame.hpp"
+#include "firmware/store/map_file.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,7 +1,6 @@
 #include "firmware/store/map_file.hpp"
 
 #include "firmware/control/control_request.hpp"
-#include "firmware/store/map_frame.hpp"
 #include "firmware/store/map_names.hpp"
 #include "tests/support/forest.hpp"
 #include "tests/unit/firmware/store/golden_maps.hpp"

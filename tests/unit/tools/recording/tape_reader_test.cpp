@@ -1,6 +1,5 @@
-#include "tools/recording/tape_reader.hpp"
-
 #include "tests/unit/tools/recording/made_tape.hpp"
+#include "tools/recording/playback.hpp"
 #include "tools/world/random.hpp"
 
 #include <gtest/gtest.h>

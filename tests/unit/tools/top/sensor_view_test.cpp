@@ -1,6 +1,5 @@
-#include "tools/top/sensor_view.hpp"
-
 #include "tests/unit/firmware/lcm/sample_reports.hpp"
+#include "tools/top/top_frame.hpp"
 
 #include <gtest/gtest.h>
 
