@@ -1,7 +1,5 @@
 #pragma once
 
-#include "tests/rt/page_faults.hpp"
-#include "tests/rt/painted_stack.hpp"
 #include "tests/support/no_alloc_scope.hpp"
 
 #include <cstddef>
@@ -9,6 +7,26 @@
 #include <functional>
 
 namespace slamsensor::tests {
+
+/// Runs `work` on a thread whose stack of `stack_bytes` was painted beforehand, hence is in memory, and
+/// returns how far down `work` wrote: its stack in bytes, rounded up to a word. A stack that overflows ends
+/// the process.
+std::size_t run_on_painted_stack(std::size_t stack_bytes, const std::function<void()>& work);
+
+/// Counts the page faults of its thread, minor and major, while it lives.
+class PageFaultScope {
+ public:
+  PageFaultScope() noexcept;
+
+  [[nodiscard]] std::uint64_t faults() const noexcept;
+
+ private:
+  std::uint64_t before_;
+};
+
+/// Brings every page that the process has mapped into memory, and keeps it there if it may: locked, or else
+/// each mapping populated once. False when neither is to be had, and faults therefore say nothing.
+[[nodiscard]] bool hold_memory();
 
 /// What a piece of work cost its thread.
 struct Cost {

@@ -4,6 +4,7 @@
 #include "core/fix.hpp"
 #include "core/reading.hpp"
 #include "core/slam.hpp"
+#include "tests/rt/walks.hpp"
 
 #include <cstdint>
 #include <ostream>
