@@ -70,7 +70,7 @@ class Leaning(unittest.TestCase):
         self.assertIn("accelerometer", problem)
         self.assertIn("let the carrier stand still", problem)
         wait_for(lambda: "inclinometer lost" in self.sensor.log(), "the loss to be told")
-        self.sensor.wait_status(lambda s: s["head"]["held"], "the scan to be stopped", 5.0)
+        self.sensor.wait_status(lambda s: s["head"]["held"], "the scan to be stopped, three seconds later", 10.0)
         self.accelerometer.lean(ROLL_DEG, PITCH_DEG)
         self.sensor.wait_scans()
         status = self.sensor.wait_fix()

@@ -63,7 +63,7 @@ struct Counted {
 const Counted kCounted[] = {
     {"mount", member_count<core::MountConfig>()},
     {"detection", member_count<core::DetectionConfig>()},
-    {"association", member_count<core::AssociationConfig>(), 1},
+    {"association", member_count<core::AssociationConfig>(), 2},
     {"acceptance", member_count<core::AcceptanceConfig>(), 2},
     {"mapping", member_count<core::MappingConfig>(), 1},
     {"capacities", member_count<core::Capacities>()},
@@ -86,14 +86,14 @@ const Counted kCounted[] = {
     {"pan_tilt_port",
      member_count<hal::SerialConfig>() - 3 + member_count<hal::SerialFormat>() +
          member_count<hal::ReopenConfig>(),
-     5},
+     6},
     {"rangefinder_port",
      member_count<hal::SerialConfig>() - 3 + member_count<hal::SerialFormat>() +
          member_count<hal::ReopenConfig>(),
-     2},
+     3},
     {"pan_tilt_rs485", member_count<hal::Rs485Config>(), 1},
     {"rangefinder_rs485", member_count<hal::Rs485Config>(), 1},
-    {"ptu", member_count<hal::PtuConfig>(), 9},
+    {"ptu", member_count<hal::PtuConfig>(), 10},
     {"canopen", member_count<hal::CanopenConfig>() - 2, 12},
     {"canopen_pan", member_count<hal::CanopenAxisConfig>()},
     {"canopen_tilt", member_count<hal::CanopenAxisConfig>()},
@@ -111,15 +111,15 @@ const Counted kCounted[] = {
     {"point_laser",
      member_count<hal::PointLaserConfig>() - 1 + 1 + member_count<hal::RangeConfig>() - 1 +
          member_count<hal::SampleClockConfig>(),
-     4},
+     6},
     // The place where names of accelerometers are looked for is none.
     {"inclination",
      member_count<LevellingConfig>() + 2 + member_count<hal::Cia410Config>() +
          member_count<hal::IioConfig>() - 1,
-     4},
-    {"scan", member_count<ScanConfig>(), 5},
+     2},
+    {"scan", member_count<ScanConfig>(), 6},
     {"latency", member_count<LatencyConfig>(), 8},
-    {"motion", member_count<MotionConfig>(), 6},
+    {"motion", member_count<MotionConfig>(), 7},
 };
 
 TEST(Settings, EveryMemberOfEveryConfigStructHasARow) {
