@@ -87,6 +87,11 @@ bool stands_alone(const Evidence& evidence, Stake stake, double structure_decade
          decades_of(evidence.ln_bayes) >= structure_decades + (is_tie ? kUnlikeTieMargin : kUnlikeMargin);
 }
 
+/// Whether wrong places of a world that repeats itself explain about as much.
+bool is_as_wrong_places(double decades, double structure_decades) noexcept {
+  return structure_decades > Rates::kStartStructure && decades < structure_decades + kBeyondWrong;
+}
+
 Verdict refuse(Verdict verdict, FixStatus status, FixReason reason) noexcept {
   verdict.status = status;
   verdict.reason = reason;
@@ -168,12 +173,8 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
       (is_tie && !is_unlike_others && contradictions > kTieContradiction)) {
     return refuse(verdict, FixStatus::NoFix, FixReason::NoOverlap);
   }
-  if (odds > risk) {
+  if (odds > risk || (stake == Stake::Fix && is_as_wrong_places(decades, structure_decades))) {
     return refuse(verdict, FixStatus::Ambiguous, FixReason::Symmetric);
-  }
-  if (stake == Stake::Fix && structure_decades > Rates::kStartStructure &&
-      decades < structure_decades + kBeyondWrong) {
-    return refuse(verdict, FixStatus::Ambiguous, FixReason::Symmetric);  // wrong places explain as much here
   }
   if (asks_for_rivals && end == SearchEnd::Deadline && structure_decades >= kUnlikeStructure) {
     return refuse(verdict, FixStatus::Ambiguous, FixReason::Deadline);  // a rival may not have been found yet

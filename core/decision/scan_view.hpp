@@ -18,6 +18,7 @@ struct ScanView {
                                    ///< kUnknown where nothing was looked at. Empty without readings.
   double field_of_view_rad = 0.0;  ///< centred on x'; 0 = not known
   double range_m = 0.0;            ///< landmarks are seen up to it; 0 = not known
+  bool shows_faces = false;  ///< landmarks are what readings show of a trunk: its near face, not its centre
 
   /// Whether something of half width `half_width_m` that stands at `p_L` would have stood in the way.
   [[nodiscard]] bool shows(const Point2& p_L, double half_width_m) const noexcept {

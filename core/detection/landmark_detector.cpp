@@ -45,6 +45,7 @@ ScanView LandmarkDetector::view() const noexcept {
   ScanView view;
   view.free_m = free_m_.span();
   view.range_m = range_max_m_;
+  view.shows_faces = true;
   return view;
 }
 

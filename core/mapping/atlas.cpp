@@ -84,7 +84,7 @@ Fix Atlas::process(std::span<const ScanLandmark> landmarks, const ScanView& view
   fix.scan = scan_.number = scans_++;
   graph_.set_home(home_);
   scan_.view = &view;
-  if (!view.free_m.empty() && graph_.expected_offset_m() == 0.0) {
+  if (view.shows_faces && graph_.expected_offset_m() == 0.0) {
     graph_.expect_offset(kNearFace_m);
   }
   take_landmarks(landmarks);
@@ -193,7 +193,7 @@ void Atlas::describe(const Weighed& w, Fix& fix) const noexcept {
 /// fixed, and which displaces what is far from the origin.
 void Atlas::add_common_errors(MapSlot map, const MatchList& matches, Fix& fix) const noexcept {
   const MapEntry& entry = maps_[map];
-  const bool is_open = !scan_.view->free_m.empty() && !graph_.is_offset_found();
+  const bool is_open = scan_.view->shows_faces && !graph_.is_offset_found();
   const double bias_m = is_open ? kUnknownOffset_m : kScanBias_m;
   const double bias_rad = is_open ? kUnknownOffset_rad : kScanBias_rad;
   fix.covariance_near(0, 0) += bias_m * bias_m;

@@ -35,7 +35,7 @@ struct LandmarkListConfig {
   double range_m = 0.0;  ///< up to which it sees landmarks; 0 = not known
 
   /// What a scan of such a list has seen beside its landmarks.
-  [[nodiscard]] core::ScanView view() const noexcept { return {{}, field_of_view_rad, range_m}; }
+  [[nodiscard]] core::ScanView view() const noexcept { return {{}, field_of_view_rad, range_m, false}; }
 };
 
 /// Ties the map frame to the earth (DESIGN 4). Its four keys are given together or not at all.

@@ -232,7 +232,9 @@ void add_logged_scans(const RecordingFile& recording, const firmware::Config& co
     run.result().left_out.see_list(count, scan->landmarks.size() - count);
     const auto heaviest = std::span(scan->landmarks).first(count);
     const FixRow& row = run.add(scan->number, middle_of(scan->time), [&](const core::Deadline& deadline) {
-      return run.pipeline().process_landmarks(heaviest, config.landmark_list.view(), scan->time, deadline);
+      core::ScanView view = config.landmark_list.view();
+      view.shows_faces = true;  // they were detected in readings
+      return run.pipeline().process_landmarks(heaviest, view, scan->time, deadline);
     });
     if (progress) {
       progress(log.messages(), static_cast<std::size_t>(recording.scan_messages), row);

@@ -82,6 +82,8 @@ constexpr Setting kSettings[] = {
      boolean<kScanHead, &SensorHeadConfig::latency, &LatencyConfig::self_calibration>()},
     {"latency.initial_s", "s", "Added to a reading's time until something better is known.",
      real<kScanHead, &SensorHeadConfig::latency, &LatencyConfig::initial_s>(-0.5, 0.5)},
+    {"latency.range_max_m", "m", "For this, what is farther counts as no return.",
+     real<kScanHead, &SensorHeadConfig::latency, &LatencyConfig::range_max_m>(1.0, 10'000.0)},
 
     {"motion.enabled", "", "Whether a scan during which the carrier moved is recognised and rejected.",
      boolean<kScanHead, &SensorHeadConfig::motion, &MotionConfig::enabled>()},

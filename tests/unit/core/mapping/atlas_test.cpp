@@ -151,9 +151,8 @@ TEST(Atlas, AHomeMapOfOneScanGivesWay) {
 // Readings show the near face of a trunk. Until the drive itself has shown how far the centre lies behind it,
 // the sensor expects what is usual; poses that took the faces for centres would drift.
 TEST(Atlas, NearFacesOfTrunksDoNotBendAShortDrive) {
-  const std::vector<float> open(700, 300.0F);
   ScanView view;
-  view.free_m = open;
+  view.shows_faces = true;
   for (const double radius_m : {0.0, 0.1, 0.2, 0.25}) {
     Draw draw(6);
     const Forest forest = tests::make_forest(250, draw);
