@@ -6,6 +6,7 @@
 #include "firmware/pipeline.hpp"
 #include "tests/support/source_tree.hpp"
 #include "tools/eval/evaluation.hpp"
+#include "tools/output/result_files.hpp"
 #include "tools/world/drive.hpp"
 #include "tools/world/simulate.hpp"
 #include "tools/world/world_config.hpp"
@@ -64,7 +65,7 @@ Outcome drive(const World& world, const core::Config& config, double lean_rad, L
   EXPECT_TRUE(stands) << stands.error().message;
   firmware::Pipeline pipeline(config);
   std::vector<TimedPose> truth;
-  std::vector<TimedPose> trajectory;
+  std::vector<FixRow> rows;
   for (std::size_t i = 0; i < stands->size(); ++i) {
     const core::Attitude attitude = attitude_at(i, lean_rad);
     SweepConfig sweep = paper_sweep_3_4();
@@ -77,11 +78,9 @@ Outcome drive(const World& world, const core::Config& config, double lean_rad, L
     }
     const core::Fix fix = pipeline.process(scanlines, {}, {});
     truth.push_back({static_cast<double>(i), (*stands)[i].pose});
-    if (fix.status == core::FixStatus::Fix) {
-      trajectory.push_back({static_cast<double>(i), fix.pose_W});
-    }
+    rows.push_back({static_cast<std::int64_t>(i), static_cast<double>(i), fix, {}});
   }
-  const auto evaluation = evaluate(truth, trajectory);
+  const auto evaluation = evaluate(truth, trajectory_of(rows));
   EXPECT_TRUE(evaluation);
   Outcome outcome;
   outcome.fixes = evaluation->fixes;
