@@ -164,6 +164,15 @@ TEST(Decide, AnotherMapIsNoRivalWhereItLiesSoThatBothPlacesAreOne) {
   EXPECT_EQ(judge({elsewhere_in_home, good(), other}).status, FixStatus::Ambiguous);
 }
 
+// A place that is visited in turns with another had maps of single scans beside home, each of them a rival
+// for good.
+TEST(Decide, AMapThatExplainsFarLessIsNoRival) {
+  Weighed other = good(0.0, 29.0);
+  other.candidate.map = kOther;
+  EXPECT_EQ(judge({good(0.0, 40.0), other}).status, FixStatus::Fix);
+  EXPECT_EQ(judge({good(0.0, 38.0), other}).status, FixStatus::Ambiguous);
+}
+
 // A scan of a plantation was a fix 79 m from where it was: 13.0 decades, where wrong places of that map had
 // reached 13.3.
 TEST(Decide, WhereTheWorldRepeatsItselfAFixExplainsMoreThanWrongPlacesDo) {
