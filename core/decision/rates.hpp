@@ -45,7 +45,8 @@ struct Rates {
     }
     std::for_each(rates.bearings.begin(), rates.bearings.end(), visit);
   }
-  static constexpr std::size_t kNumbers = 10 + 2 * kRangeBins + kBearingBins;
+  static constexpr std::size_t kDoubles = 10;  // of them, then floats
+  static constexpr std::size_t kFloats = 2 * kRangeBins + kBearingBins;
 
   [[nodiscard]] static std::size_t range_bin(double range_m) noexcept {
     return std::min(kRangeBins - 1, static_cast<std::size_t>(std::max(0.0, range_m) / kRangeBin_m));

@@ -120,7 +120,11 @@ void read_rates(const MapFrameSection& section, MapFile& map) {
   if (section.records != 0) {
     ByteReader in(section.payload);
     core::Rates::visit_numbers(map.numbers.rates.emplace(), [&](auto& number) {
-      number = static_cast<std::remove_reference_t<decltype(number)>>(in.take_double());
+      if constexpr (std::is_same_v<decltype(number), float&>) {
+        number = std::bit_cast<float>(in.take<std::uint32_t>());
+      } else {
+        number = in.take_double();
+      }
     });
   }
 }
@@ -264,7 +268,13 @@ Bytes rate_record(const core::MapState& state) {
   Bytes record;
   ByteWriter out(record);
   if (state.rates) {
-    core::Rates::visit_numbers(*state.rates, [&](auto number) { out.put(static_cast<double>(number)); });
+    core::Rates::visit_numbers(*state.rates, [&](auto number) {
+      if constexpr (std::is_same_v<decltype(number), float>) {
+        out.put(std::bit_cast<std::uint32_t>(number));
+      } else {
+        out.put(number);
+      }
+    });
   }
   return record;
 }

@@ -109,8 +109,8 @@ struct MapFileError {
 /// LAND (a landmark)  id, xi, parents (3), sightings, chances, first and last scan u32, x, y f64, sigma f32
 /// PATH (a pose)      scan u32, xi u32, x, y, heading f64
 /// RATE (none or one) what was learned with the map: the numbers of core::Rates in the order of
-/// visit_numbers,
-///                    f64. Version 3, which is read, too, has no such section.
+///                    visit_numbers, each as it is there, f64 or f32. Version 3, which is read, too, has no
+///                    such section.
 ///
 /// The magic begins with a byte that no text begins with and shows a transfer in text mode, as PNG's does.
 inline constexpr std::array<std::uint8_t, 8> kMapMagic{0x89, 'S', 'L', 'M', '\r', '\n', 0x1A, '\n'};
@@ -147,7 +147,7 @@ inline constexpr std::array<std::string_view, 4> kMapSectionTags{"INFO", "LAND",
     case MapSection::Path:
       return 32;
     case MapSection::Rates:
-      return 8 * core::Rates::kNumbers;
+      return 8 * core::Rates::kDoubles + 4 * core::Rates::kFloats;
     case MapSection::Info:
       break;
   }
