@@ -15,9 +15,8 @@ constexpr double kRivalDecades = 2.0;        // stage 3: what makes a place a ri
 constexpr double kRivalShare =
     0.5;  // ... unless the answer explains the witnesses by this much more decades ...
 constexpr double kRivalMargin = 1.0;  // ... and how much more has to contradict it
-constexpr double kLesserMap =
-    10.0;                        // decades by which another map explains the witnesses less, and is no rival
-constexpr double kSigmas = 3.3;  // of a pose, which stay within what is called right
+constexpr double kLesserMap = 10.0;   // decades by which a place in another map explains less and is no rival
+constexpr double kSigmas = 3.3;       // of a pose, which stay within what is called right
 constexpr double kLocalSigmas = 1.0;
 constexpr double kLocalRisk = 1e-4;          // of a scan in a local map
 constexpr double kTieRiskShare = 1e-3;       // of the risk of a fix: a tie binds many scans
@@ -69,9 +68,9 @@ double copies_wanted(Stake stake) noexcept {
 bool rivals(const Weighed& other, const Weighed& answer, Stake stake, double structure_decades,
             const AcceptanceConfig& config) noexcept {
   if (other.candidate.map != answer.candidate.map) {
-    // Another map may hold the same place. Where the world repeats itself that has to be shown first: by an
-    // earlier scan that says the same of where the map lies, as long as nothing was seen to repeat itself; or
-    // by explaining far less than the answer.
+    // In a world that may repeat itself, a place in another map is a rival. It is none when that map explains
+    // the scan by kLesserMap decades less; nor when an earlier scan said that both places are one, as long as
+    // nothing has been seen twice.
     const double lesser = stake == Stake::Fix ? kLesserMap : 0.0;
     const bool counts = (stake == Stake::Fix || stake == Stake::Again) &&
                         decades_of(other.evidence.ln_bayes - answer.evidence.ln_bayes) > -lesser;

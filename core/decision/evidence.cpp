@@ -269,7 +269,7 @@ void EvidenceScale::weigh_matches(const Scene& scene, const Candidate& candidate
   Eigen::Matrix3d inverse;
   bool is_invertible = false;
   information.computeInverseWithCheck(inverse, is_invertible);
-  evidence.covariance = is_invertible ? Eigen::Matrix3d(variance * rates.inflation * inverse)
+  evidence.covariance = is_invertible ? Eigen::Matrix3d(variance * inverse)
                                       : Eigen::Matrix3d(Eigen::Matrix3d::Identity() * 1e6);
   for (std::size_t m = 0; m < candidate.matches.size(); ++m) {
     nats_[m] -= std::log(2.0 * std::numbers::pi * variance) + 0.5 * distance2_[m] / variance;

@@ -87,15 +87,16 @@ class EvidenceScale {
   /// refines the pose with the result, and weighs it. `candidate` keeps its map and triangle.
   [[nodiscard]] Evidence weigh(const Witnesses& witnesses, const Maps& maps, Candidate& candidate) noexcept;
 
-  /// 1 sigma per axis that matches have before anything was learned: a third of the tolerance, and no more
-  /// than kStartSigmaMax_m. A tolerance that leaves room for the edges of wide scans says nothing of points.
+  /// 1 sigma per axis that matches have before anything was learned: a third of the tolerance, and at most
+  /// kStartSigmaMax_m.
   [[nodiscard]] double start_sigma_m() const noexcept {
     return std::min(kStartSigmaMax_m, kStartSigma * association_.tolerance_m);
   }
 
  private:
   static constexpr double kStartSigma = 1.0 / 3.0;
-  static constexpr double kStartSigmaMax_m = 0.25;  // no landmark of the paper's tolerances repeats worse
+  static constexpr double kStartSigmaMax_m =
+      0.25;  // landmarks repeat better, also with the tolerance of experiments III and IV
 
   struct Scene;
   void match(const Scene& scene, double gate_m, Candidate& candidate) noexcept;

@@ -28,16 +28,14 @@ struct Rates {
   double second = 0.0;                      ///< landmarks seen once that the next scan in view showed again
   double second_count = 0.0;                ///< chances for it
   std::array<float, kBearingBins> bearings{};  ///< landmarks of scans, by bearing in the sensor's frame
-  double offset_m = 0.0;   ///< a landmark's centre lies this much farther than what the sensor measured
-  double inflation = 1.0;  ///< observed over predicted variance of poses: what errors have in common
-  double inflation_count = 0.0;
+  double offset_m = 0.0;  ///< a landmark's centre lies this much farther than what the sensor measured
 
-  /// Hands every number of `rates` to `visit`, always in the same order.
+  /// Hands every number of `rates` to `visit`, always in the same order: kDoubles, then kFloats.
   template <typename Self, typename Visit>
   static void visit_numbers(Self& rates, const Visit& visit) {
-    for (auto* const number : {&rates.spread_m2, &rates.spread_count, &rates.clutter, &rates.clutter_count,
-                               &rates.second, &rates.second_count, &rates.offset_m, &rates.inflation,
-                               &rates.inflation_count, &rates.structure_decades}) {
+    for (auto* const number :
+         {&rates.spread_m2, &rates.spread_count, &rates.clutter, &rates.clutter_count, &rates.second,
+          &rates.second_count, &rates.offset_m, &rates.structure_decades}) {
       visit(*number);
     }
     for (auto* const bins : {&rates.shown, &rates.in_view}) {
@@ -45,8 +43,22 @@ struct Rates {
     }
     std::for_each(rates.bearings.begin(), rates.bearings.end(), visit);
   }
-  static constexpr std::size_t kDoubles = 10;  // of them, then floats
+  static constexpr std::size_t kDoubles = 8;
   static constexpr std::size_t kFloats = 2 * kRangeBins + kBearingBins;
+
+  /// Whether scans can have taught these numbers. Only the offset may be negative.
+  [[nodiscard]] bool is_possible() const noexcept {
+    constexpr double kMost = 1e9;
+    constexpr double kOffsetMost_m = 1.0;
+    bool is_possible = std::abs(offset_m) <= kOffsetMost_m && structure_decades >= kLeastStructure &&
+                       structure_decades <= kMostStructure;
+    visit_numbers(*this, [&](const auto& number) {
+      const auto value = static_cast<double>(number);
+      const bool is_offset = static_cast<const void*>(&number) == &offset_m;
+      is_possible = is_possible && (value >= 0.0 || is_offset) && value <= kMost;
+    });
+    return is_possible;
+  }
 
   [[nodiscard]] static std::size_t range_bin(double range_m) noexcept {
     return std::min(kRangeBins - 1, static_cast<std::size_t>(std::max(0.0, range_m) / kRangeBin_m));
@@ -60,6 +72,8 @@ struct Rates {
   /// How far this world repeats itself: a high quantile of the decades by which the second best place of the
   /// map explains a scan. Wrong places that were mapped are a sample of wrong places that were not.
   static constexpr double kStartStructure = 8.0;
+  static constexpr double kLeastStructure = 2.0;
+  static constexpr double kMostStructure = 60.0;
   double structure_decades = kStartStructure;
 
   /// A scan whose second best place elsewhere explained it by `decades`, and `news` of whose landmarks, as a
@@ -69,8 +83,8 @@ struct Rates {
     constexpr double kQuantile = 0.98;
     constexpr double kStep = 3.0;  // decades
     structure_decades = std::clamp(
-        structure_decades + kStep * (decades > structure_decades ? kQuantile : news * (kQuantile - 1.0)), 2.0,
-        60.0);
+        structure_decades + kStep * (decades > structure_decades ? kQuantile : news * (kQuantile - 1.0)),
+        kLeastStructure, kMostStructure);
   }
 
   /// 1 sigma of a matched landmark per axis, of the scan's measurement alone. `start_m` counts as kPrior

@@ -313,6 +313,7 @@ MapSlot Atlas::keep_locally(const Weighed& chosen, bool is_answer, Fix& fix) noe
   return kNoMap;
 }
 
+/// The decision on `map`; candidates in other maps are marked that are the same place.
 Verdict Atlas::decide_in(MapSlot map, Stake stake, SearchEnd end) noexcept {
   const std::size_t best = best_in(weighed_.span(), map);
   for (Weighed& other : weighed_) {
@@ -520,6 +521,20 @@ std::uint32_t Atlas::least_useful_in_turn() noexcept {
   return worst;
 }
 
+/// Whether `map` has been seen often enough to take the place of a home map that gives way, or that there is
+/// not yet.
+bool Atlas::deserves_home(const MapEntry& map) const noexcept {
+  if (map.is_doubtful) {
+    return false;
+  }
+  if (home_ == kNoMap) {
+    return map.confirmed >= kHomeConfirmed && map.scans >= 2;
+  }
+  const MapEntry& home = maps_[home_];
+  return (home.scans < 2 && map.confirmed >= kHomeAtOnce && map.scans >= kReplacingAlone) ||
+         (map.confirmed >= std::max(kHomeConfirmed, 3 * home.confirmed) && map.scans >= kReplacingScans);
+}
+
 /// The home map is the first that deserves it. A poor one does not bind: one of a single scan, of which
 /// nothing was confirmed, gives way to the first map that three scans show; another, when nothing was found
 /// in it for long, to a local map that has become much larger.
@@ -532,12 +547,8 @@ void Atlas::choose_home() noexcept {
   }
   MapSlot best = kNoMap;
   for (MapSlot i = 0; i < kMapsMax; ++i) {
-    const std::uint32_t wanted = home_ == kNoMap ? kHomeConfirmed
-                                 : is_alone      ? kHomeAtOnce
-                                                 : std::max(kHomeConfirmed, 3 * maps_[home_].confirmed);
-    const std::uint32_t scans = home_ == kNoMap ? 2 : is_alone ? kReplacingAlone : kReplacingScans;
-    if (i != home_ && maps_[i].number != 0 && !maps_[i].is_doubtful && maps_[i].confirmed >= wanted &&
-        maps_[i].scans >= scans && (best == kNoMap || maps_[i].confirmed > maps_[best].confirmed)) {
+    if (i != home_ && maps_[i].number != 0 && deserves_home(maps_[i]) &&
+        (best == kNoMap || maps_[i].confirmed > maps_[best].confirmed)) {
       best = i;
     }
   }

@@ -148,6 +148,7 @@ class Atlas {
   void remove_landmark(std::uint32_t slot) noexcept;
   void make_room(std::uint32_t wanted) noexcept;
   [[nodiscard]] std::uint32_t least_useful_in_turn() noexcept;
+  [[nodiscard]] bool deserves_home(const MapEntry& map) const noexcept;
   void choose_home() noexcept;
   void try_tie(MapSlot map, const Deadline& deadline) noexcept;
   [[nodiscard]] bool tie_by_scans(MapSlot map) noexcept;

@@ -16,10 +16,10 @@ inline constexpr std::uint32_t kHomeConfirmed = 5;  // landmarks seen twice that
 inline constexpr std::uint32_t kReplacingScans =
     15;  // of a map that takes the place of a home map: it has that long to be tied instead
 inline constexpr std::uint32_t kReplacingAlone =
-    3;  // the same of a home map of one scan, of which nothing was ever confirmed
+    3;  // scans of a map that takes the place of a home map of one scan
 inline constexpr std::uint32_t kYoungScans =
-    5;  // of a map in which no copy of a place was met yet that the scans left and came back to
-inline constexpr double kFoundingOdds = 1e3;         // beyond those of a fix: all that follows builds on it
+    5;                                        // a map of so few is left and found again, hardly a copy of it
+inline constexpr double kFoundingOdds = 1e3;  // beyond those of a fix: all that follows builds on it
 inline constexpr std::uint32_t kHomeIdleScans = 30;  // without a fix, after which a home map ...
 inline constexpr std::uint32_t kHomeSure =
     30;  // ... of fewer confirmed landmarks than this gives way to a larger map
@@ -35,8 +35,7 @@ inline constexpr std::uint64_t kTieScans =
 inline constexpr std::uint64_t kFollowScans = 2;  // the same where it began as the other was left
 inline constexpr double kHomeShare =
     0.5;  // of the decades of a local map, with which the home map is still believed
-inline constexpr std::uint32_t kGrownScans =
-    10;  // of a local map that says as much of a place as the home map
+inline constexpr std::uint32_t kGrownScans = 10;  // of a doubtful map that can speak against the home map
 inline constexpr double kScansTieDecades = 15.0;  // in all, of scans that agree on where their local map lies
 inline constexpr double kPlaceGroups = 3.0;       // decades of groups, and ...
 inline constexpr double kPlaceContradiction = 2.0;  // ... decades against, of a scan that counts for a place
@@ -68,8 +67,9 @@ inline constexpr double kRatesMemory = 4'000.0;       // observations after whic
 inline constexpr std::uint32_t kRefitAround = 16;     // poses
 inline constexpr std::uint32_t kRefitInTurn = 6'000;  // sightings a scan
 inline constexpr double kNearFace_m =
-    0.15;  // before the centres, of what readings measure of a trunk or a bush
-inline constexpr std::uint32_t kOffsetOpenScans = 20;  // of a map, in which that is looked for at every scan
+    0.15;  // from the face of a trunk to its centre, until a drive shows better
+inline constexpr std::uint32_t kOffsetOpenScans =
+    20;  // of a map, at each of which that distance is estimated
 inline constexpr double kUnknownOffset_m =
     0.12;  // bias of a pose from near faces whose distance to the centres is not known yet
 inline constexpr double kUnknownOffset_rad = 0.4 * kDegree;

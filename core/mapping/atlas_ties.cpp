@@ -41,8 +41,9 @@ void Atlas::note_places(MapSlot slot, const Pose2& T_map_B) noexcept {
             [](const PlaceHypothesis& a, const PlaceHypothesis& b) { return a.W > b.W; });
 }
 
-/// Whether `a` and `b` are one place in two maps: one map is young, the other began when the scans left it,
-/// and earlier scans said of its place what these candidates say. Later a copy may have been met between.
+/// Whether `a` and `b` are one place in two maps: an earlier scan said the same of how the maps lie to each
+/// other. Asked only of a map of at most kYoungScans scans and of one that began when the scans left it:
+/// later a copy of the place may have come between.
 bool Atlas::is_same_place(const Candidate& a, const Candidate& b) const noexcept {
   const auto lies_so = [&](const Candidate& local, const Candidate& other) {
     const auto& places = maps_[local.map].places;

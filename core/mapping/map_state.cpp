@@ -104,22 +104,6 @@ MapCheck check_path(const MapState& state) noexcept {
   return {};
 }
 
-/// Counts and shares, none of which is negative; a centre lies behind what is seen of it by less than a
-/// metre.
-MapCheck check_rates(const std::optional<Rates>& rates) noexcept {
-  constexpr double kMost = 1e9;
-  bool is_possible = true;
-  if (rates) {
-    Rates::visit_numbers(*rates, [&](auto number) {
-      is_possible =
-          is_possible && static_cast<double>(number) <= kMost &&
-          (static_cast<double>(number) >= 0.0 || number == static_cast<decltype(number)>(rates->offset_m));
-    });
-    is_possible = is_possible && std::abs(rates->offset_m) < 1.0;
-  }
-  return {is_possible ? MapFlaw::None : MapFlaw::Rates, 0};
-}
-
 }  // namespace
 
 MapCheck check_map(const MapState& state, const Capacities& capacities) noexcept {
@@ -130,7 +114,10 @@ MapCheck check_map(const MapState& state, const Capacities& capacities) noexcept
   if (check.ok()) {
     check = check_path(state);
   }
-  return check.ok() ? check_rates(state.rates) : check;
+  if (check.ok() && state.rates && !state.rates->is_possible()) {
+    check.flaw = MapFlaw::Rates;
+  }
+  return check;
 }
 
 MapState state_of(const Hypothesis& hypothesis, std::uint32_t scans) noexcept {

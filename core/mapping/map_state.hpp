@@ -64,7 +64,7 @@ enum class MapFlaw : std::uint8_t {
   LandmarkScans,     ///< last seen before it was first seen, or in a scan that is still to come
   PathOrder,         ///< a pose's scan is not later than the one before, or is still to come
   PathPose,          ///< a pose is not a number
-  Rates,             ///< a number of what was learned cannot be one
+  Rates,             ///< scans cannot have taught what was learned (Rates::is_possible)
 };
 
 /// A flaw and where it is: the index of the landmark or of the pose, or the count that is wrong.

@@ -50,7 +50,7 @@ def golden(flags=1, version=4):
     path = b"".join(struct.pack("<IIddd", *pose) for pose in PATH)
     sections = [section(b"INFO", 1, len(info), info), section(b"LAND", len(LANDMARKS), 56, land),
                 section(b"PATH", len(PATH), 32, path)]
-    return file(version, sections + ([section(b"RATE", 0, 352, b"")] if version > 3 else []))
+    return file(version, sections + ([section(b"RATE", 0, 336, b"")] if version > 3 else []))
 
 
 def literal(name, content):

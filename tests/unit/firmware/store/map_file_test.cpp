@@ -106,10 +106,10 @@ TEST(MapFile, WhatWasLearnedWithAMapIsKept) {
   ASSERT_TRUE(map) << map.error().message;
   ASSERT_TRUE(map->numbers.rates);
   EXPECT_EQ(map->numbers.rates->spread_m2, 0.25);
-  EXPECT_EQ(map->numbers.rates->structure_decades, core::Rates::kStartStructure + 2.5);
-  EXPECT_EQ(map->numbers.rates->bearings.back(), 19.5F);
+  EXPECT_EQ(map->numbers.rates->structure_decades, core::Rates::kStartStructure + 2.0);
+  EXPECT_EQ(map->numbers.rates->bearings.back(), 19.0F);
   EXPECT_EQ(encode_map(map->about, map->state()), bytes);
-  for (const double bad : {std::nan(""), HUGE_VAL, -1.0, 1e10}) {
+  for (const double bad : {std::nan(""), HUGE_VAL, -1.0, rates.offset_m, 1e10}) {
     sample.numbers.rates = rates;
     sample.numbers.rates->clutter_count = bad;
     const auto refused = decode_map(encode_map(sample.about, sample.state()), unlimited_capacities());
