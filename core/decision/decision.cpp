@@ -27,6 +27,7 @@ constexpr double kUnlikeContradiction = 5.0;
 constexpr double kUnlikeStructure = 7.0;  // of a world that hardly repeats itself
 constexpr double kUnlikeMargin = 6.0;     // decades above what wrong places of this world reach
 constexpr double kUnlikeTieMargin = 9.0;
+constexpr double kUnlikeFarMargin = 15.0;  // from which on three groups are enough for a tie, too
 constexpr double kBeyondWrong = 1.0;  // decades above what wrong places of a world that repeats itself reach
 constexpr double kTieContradiction = 2.0;  // and against a tie
 // Prior odds of a place that no map has: even, but in a survey, whose giver says that the sensor is in it.
@@ -85,9 +86,10 @@ bool rivals(const Weighed& other, const Weighed& answer, Stake stake, double str
 /// witnesses far better than wrong places of this world ever did.
 bool stands_alone(const Evidence& evidence, Stake stake, double structure_decades) noexcept {
   const bool is_tie = stake == Stake::Tie || stake == Stake::Follow;
-  return evidence.group_decades >= (is_tie ? kTieDecades : kUnlikeDecades) &&
+  const double margin = decades_of(evidence.ln_bayes) - structure_decades;
+  return evidence.group_decades >= (is_tie && margin < kUnlikeFarMargin ? kTieDecades : kUnlikeDecades) &&
          evidence.contradiction_decades() <= kUnlikeContradiction && structure_decades <= kUnlikeStructure &&
-         decades_of(evidence.ln_bayes) >= structure_decades + (is_tie ? kUnlikeTieMargin : kUnlikeMargin);
+         margin >= (is_tie ? kUnlikeTieMargin : kUnlikeMargin);
 }
 
 /// Whether wrong places of a world that repeats itself explain about as much.

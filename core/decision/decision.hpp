@@ -45,11 +45,13 @@ enum class Stake : std::uint8_t {
 ///    began where the other was left: to be wrong, the carrier must have been taken to a perfect copy between
 ///    the two. Where the world does not repeat itself (`structure_decades`, Rates) three groups, each as wide
 ///    as a copse, are enough when nothing contradicts them and the answer explains the witnesses by far more
-///    than wrong places ever did. Not asked of a local map, nor in a complete survey.
+///    than wrong places ever did; a tie asks for more of it, or a fourth. Not asked of a local map, nor in a
+///    complete survey.
 /// 3. A copy that was mapped. Every other place that explains the witnesses hundredfold better than chance is
 ///    contradicted by a decade more than the answer is; raw odds mislead here, because what is missing at one
-///    place may be new ground at the other. And where the world repeats itself, the answer explains a decade
-///    more than wrong places of this map do.
+///    place may be new ground at the other. A place in another map counts where the world may repeat itself,
+///    unless that map explains ten decades less, or is known to lie so that both places are one. And where the
+///    world repeats itself, the answer explains a decade more than wrong places of this map do.
 ///
 /// And three sigma of the pose beside its landmarks stay within what is called right.
 [[nodiscard]] Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, SearchEnd end,

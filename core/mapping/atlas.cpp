@@ -46,9 +46,8 @@ void Atlas::reset() noexcept {
   jumps_ = 0;
   maps_made_ = 0;
   landmarks_evicted_ = scans_taken_out_ = 0;
-  has_linked_ = false;
   twin_turn_ = room_turn_ = 0;
-  closed_scan_ = group_steps_due_ = scans_since_step_ = blind_scans_ = 0;
+  closed_scan_ = steps_due_ = scans_since_step_ = blind_scans_ = 0;
   was_unseen_ = {};
   ++revision_;
 }
@@ -120,7 +119,10 @@ MatchModel Atlas::scan_model() const noexcept {
 }
 
 void Atlas::search(const Deadline& deadline, Fix& fix) noexcept {
-  find(points_B_.span(), kNoMap, scan_model(), deadline);
+  const MatchModel model = scan_model();
+  const std::span<const Point2> points_B = points_B_.span();
+  find(model.is_thorough ? points_B.first(std::min(points_B.size(), kThoroughMost)) : points_B, kNoMap, model,
+       deadline);
   counters_.searches_cut += found_[0].end == SearchEnd::Deadline ? 1 : 0;
   fix.search_end = found_[0].end;
   weigh(scan_witnesses(), found_[0], weighed_);
@@ -296,10 +298,11 @@ double Atlas::home_share(MapSlot local) const noexcept {
 MapSlot Atlas::keep_locally(const Weighed& chosen, bool is_answer, Fix& fix) noexcept {
   const MapSlot map = chosen.candidate.map;
   // One that does not follow another there may be at a copy of the place, and begins a map of its own.
-  const bool is_sure = is_sure_in(map, fix.search_end);
+  const FixStatus status = decide_in(map, stake_of(map), fix.search_end).status;
+  const bool is_sure = status == FixStatus::Fix;
   note_places(map, chosen.candidate.pose_W);
   if (is_sure || stake_of(map) == Stake::Again) {
-    maps_[map].is_doubtful = maps_[map].is_doubtful || !is_sure;
+    maps_[map].is_doubtful = maps_[map].is_doubtful || status == FixStatus::Ambiguous;
     if (is_answer) {
       describe(chosen, fix);
       fix.status = FixStatus::NoFix;
@@ -368,11 +371,10 @@ Stake Atlas::stake_of(MapSlot map) const noexcept {
   return static_cast<double>(again) >= wanted ? Stake::Again : Stake::Fix;
 }
 
-void Atlas::remove_landmark(std::uint32_t slot) noexcept {
+void Atlas::count_out(std::uint32_t slot) noexcept {
   MapEntry& entry = maps_[graph_.landmark(slot).map];
   --entry.landmarks;
   entry.confirmed -= graph_.standing(slot).sightings >= 2 && entry.confirmed > 0 ? 1 : 0;
-  graph_.remove_landmark(slot);
 }
 
 MapSlot Atlas::free_map() noexcept {
@@ -494,7 +496,8 @@ void Atlas::make_room(std::uint32_t wanted) noexcept {
     if (worst == SightingGraph::kNone) {
       return;
     }
-    remove_landmark(worst);
+    count_out(worst);
+    graph_.remove_landmark(worst);
     ++landmarks_evicted_;
   }
 }

@@ -51,7 +51,7 @@ struct MapEntry {
   PlaceHypothesis tie;  ///< where its confirmed landmarks as a whole were believed last, W times in a row
   FixedVector<PlaceHypothesis, kPlacesMax> places;  ///< the best W first
   /// It may be two places in one: a scan that showed again what the scan before showed in it would have been
-  /// no fix. Such a map is neither tied nor a home map.
+  /// ambiguous. Such a map is neither tied nor a home map.
   bool is_doubtful = false;
 };
 
@@ -127,7 +127,7 @@ class Atlas {
   void add_common_errors(MapSlot map, const MatchList& matches, Fix& fix) const noexcept;
   void extend(const Weighed& weighed) noexcept;
   void refine_with(const Weighed& weighed, std::uint32_t xi) noexcept;
-  void step_groups(const Weighed& weighed, MapSlot map) noexcept;
+  void step_map(const Weighed& weighed, MapSlot map) noexcept;
   void note_places(MapSlot map, const Pose2& T_map_B) noexcept;
   [[nodiscard]] Verdict decide_in(MapSlot map, Stake stake, SearchEnd end) noexcept;
   [[nodiscard]] bool is_same_place(const Candidate& a, const Candidate& b) const noexcept;
@@ -145,13 +145,15 @@ class Atlas {
   void start_map(Fix& fix) noexcept;
   [[nodiscard]] MapSlot free_map() noexcept;
   void drop_map(MapSlot map) noexcept;
-  void remove_landmark(std::uint32_t slot) noexcept;
+  void count_out(std::uint32_t slot) noexcept;
   void make_room(std::uint32_t wanted) noexcept;
   [[nodiscard]] std::uint32_t least_useful_in_turn() noexcept;
   [[nodiscard]] bool deserves_home(const MapEntry& map) const noexcept;
   void choose_home() noexcept;
   void try_tie(MapSlot map, const Deadline& deadline) noexcept;
   [[nodiscard]] bool tie_by_scans(MapSlot map) noexcept;
+  [[nodiscard]] bool tie_by_one_scan(MapSlot map) noexcept;
+  [[nodiscard]] bool tie_at(MapSlot map, const PlaceHypothesis& place) noexcept;
   void confirm_tie(MapSlot map, const Weighed& weighed) noexcept;
   [[nodiscard]] MatchList twins_of(MapSlot map, const Weighed& weighed) const noexcept;
   void tie(MapSlot map, const Weighed& weighed) noexcept;
@@ -197,12 +199,10 @@ class Atlas {
       was_unseen_{};               // per landmark of the scan: what it matches was not seen for long
   std::uint32_t blind_scans_ = 0;  // in a row, of too few landmarks, before this one
   std::uint32_t closed_scan_ = 0;  // that closed a loop last
-  std::uint32_t group_steps_due_ = 0;
+  std::uint32_t steps_due_ = 0;
   std::uint32_t scans_since_step_ = 0;
   std::uint32_t twin_turn_ = 0;
   std::uint32_t room_turn_ = 0;
-  std::uint32_t linked_scan_ = 0;  // in which layers were linked last
-  bool has_linked_ = false;
   Counters counters_;
   Frozen frozen_ = Frozen::No;
   std::uint64_t revision_ = 0;

@@ -100,13 +100,13 @@ void Atlas::refine_with(const Weighed& w, std::uint32_t xi) noexcept {
   graph_.refit(entry.last_place);
   graph_.refit_around(entry.last_place, kRefitAround);
   graph_.refit_in_turn(kRefitInTurn);
-  step_groups(w, map);
+  step_map(w, map);
   entry.last_pose = graph_.pose(entry.last_place).T_W_B;
 }
 
-/// Group steps come after so many scans that each scan pays the same share of them, and at once when a scan
-/// closes a loop: when it shows again what was not seen for long.
-void Atlas::step_groups(const Weighed& w, MapSlot map) noexcept {
+/// Steps of the whole map come after so many scans that each scan pays the same share of them, and at once
+/// when a scan closes a loop: when it shows again what was not seen for long.
+void Atlas::step_map(const Weighed& w, MapSlot map) noexcept {
   const auto old =
       std::count_if(w.candidate.matches.begin(), w.candidate.matches.end(), [&](const Match& match) {
         return graph_.is_used(match.map) && scan_.number - closed_scan_ > kLoopScans &&
@@ -114,18 +114,17 @@ void Atlas::step_groups(const Weighed& w, MapSlot map) noexcept {
       });
   if (old >= 3) {
     closed_scan_ = scan_.number;
-    group_steps_due_ = kStepsAfterLoop;
+    steps_due_ = kStepsAfterLoop;
   }
   ++scans_since_step_;
   const auto share = static_cast<std::uint32_t>(graph_.sightings_kept() / kSightingsPerScan);
   // How far centres lie behind what readings show is learned as soon as possible: until then every scan errs.
   const bool is_offset_open =
       graph_.expected_offset_m() > 0.0 && !graph_.is_offset_found() && maps_[map].scans <= kOffsetOpenScans;
-  if (group_steps_due_ > 0 || is_offset_open || scans_since_step_ >= std::max(kGroupStepScans, share)) {
-    group_steps_due_ -= group_steps_due_ > 0 ? 1 : 0;
+  if (steps_due_ > 0 || is_offset_open || scans_since_step_ >= std::max(kStepScans, share)) {
+    steps_due_ -= steps_due_ > 0 ? 1 : 0;
     scans_since_step_ = 0;
-    const bool is_linking = has_linked_ && scan_.number - linked_scan_ <= kLinkingScans;
-    graph_.group_step(map, rates_.sigma_m(scale_.start_sigma_m()), is_linking ? kLoopStepGain : kStepGain);
+    graph_.refine(map, rates_.sigma_m(scale_.start_sigma_m()));
     rates_.offset_m = graph_.is_offset_found() ? graph_.offset_m() : 0.0;
   }
 }
@@ -243,7 +242,12 @@ void Atlas::look_for_missing(const Weighed& w) noexcept {
     }
     const std::uint32_t bringer = graph_.landmark(gone[i]).brought_by;
     const bool was_seen_once = graph_.standing(gone[i]).sightings == 1;
-    remove_landmark(gone[i]);
+    count_out(gone[i]);
+    if (was_seen_once) {
+      graph_.remove_landmark(gone[i]);
+    } else {
+      graph_.retire_landmark(gone[i]);
+    }
     if (bringer != SightingGraph::kNone && was_seen_once) {
       GraphPose& pose = graph_.pose(bringer);
       ++pose.gone;

@@ -46,6 +46,8 @@ inline constexpr double kNewsPerSample = 5.0;  // landmarks: about as many as st
 inline constexpr double kThoroughStructure =
     7.5;  // a world that repeats itself more is searched for all rivals
 inline constexpr std::size_t kThoroughLandmarks = 15;  // so is a scan of so few, which takes hardly any time
+inline constexpr std::size_t kThoroughMost =
+    30;  // the heaviest of a longer scan name all places, and the rest are weighed there
 inline constexpr std::size_t kWeighedMin = 6;  // candidates that are weighed, however far behind the leader
 inline constexpr double kWeighedNats = 15.0;  // others are weighed when they are not farther behind than this
 inline constexpr double kContradicted =
@@ -57,7 +59,8 @@ inline constexpr std::uint32_t kTakenOutMin =
     6;  // landmarks that a scan brought and later scans contradict, and ...
 inline constexpr double kTakenOutShare =
     0.8;  // ... their share, with which the scan is taken out of the map again
-inline constexpr double kTwinSigmas = 4.5;  // nearer to a landmark than this, nothing new is put
+inline constexpr double kTwinSigmas = 4.5;     // nearer to a landmark than this, nothing new is put
+inline constexpr double kTieGateSigmas = 3.7;  // the same where only scans say how their maps lie
 inline constexpr double kTwinGateSigmas =
     3.0;  // nearer to each other than this, landmarks of tied maps are one
 inline constexpr std::uint32_t kSaturated =
@@ -89,15 +92,8 @@ inline constexpr std::uint32_t kTwinsInTurn =
     128;  // landmarks that are held against their neighbours, a scan
 inline constexpr std::uint32_t kRoomStretch =
     256;  // landmarks among which the least useful makes room, in turn
-// Sightings of a landmark from places near each other err alike, so that small gains in the sum of squares
-// are no evidence: a group step has to gain this many variances of a sighting. A closed loop gains thousands,
-// and its last steps few.
-inline constexpr double kStepGain = 100.0;
-inline constexpr std::uint32_t kLinkingScans =
-    20;  // after layers were linked, in which their landmarks become one
-inline constexpr double kLoopStepGain = 3.0;
-inline constexpr std::uint32_t kStepsAfterLoop = 4;  // group steps, one a scan
-inline constexpr std::uint32_t kGroupStepScans = 3;  // a group step after so many scans ...
+inline constexpr std::uint32_t kStepsAfterLoop = 4;  // of the refinement, one a scan
+inline constexpr std::uint32_t kStepScans = 3;       // a step of the refinement after so many scans ...
 inline constexpr std::uint64_t kSightingsPerScan =
     3'000;  // ... or more, so that a scan's share of it is this many sightings
 // Calibrated on real drives against their references (tests/truth): about what is left of their errors.

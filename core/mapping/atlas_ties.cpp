@@ -1,4 +1,5 @@
 // Where a local map may lie, and how it becomes part of another map.
+#include "core/association/rigid_fit.hpp"
 #include "core/graph/lattice.hpp"
 #include "core/mapping/atlas.hpp"
 #include "core/mapping/atlas_limits.hpp"
@@ -59,7 +60,8 @@ bool Atlas::is_same_place(const Candidate& a, const Candidate& b) const noexcept
 /// Holds the confirmed landmarks of a local map, as a whole, against all other maps.
 void Atlas::try_tie(MapSlot map, const Deadline& deadline) noexcept {
   const MapEntry& entry = maps_[map];
-  if (map == home_ || entry.is_doubtful || tie_by_scans(map) || entry.confirmed < kTieLandmarksMin) {
+  if (map == home_ || entry.is_doubtful || tie_by_one_scan(map) || tie_by_scans(map) ||
+      entry.confirmed < kTieLandmarksMin) {
     return;
   }
   confirmed_.clear();
@@ -121,28 +123,61 @@ bool Atlas::tie_by_scans(MapSlot map) noexcept {
       (entry.places.size() > 1 && 2 * entry.places[1].W > entry.places[0].W)) {
     return false;
   }
-  const PlaceHypothesis place = entry.places[0];
+  return tie_at(map, entry.places[0]);
+}
+
+/// Where the world does not repeat itself, one scan ties the maps in both of which it is believed as a tie
+/// would be: two ends of a loop meet in few scans.
+bool Atlas::tie_by_one_scan(MapSlot map) noexcept {
+  if (rates_.structure_decades >= kTieStructure ||
+      decide_in(map, Stake::Tie, found_[0].end).status != FixStatus::Fix) {
+    return false;
+  }
+  const Pose2& T_map_B = weighed_[best_in(weighed_.span(), map)].candidate.pose_W;
+  for (MapSlot other = 0; other < kMapsMax; ++other) {
+    if (other == map || maps_[other].number == 0 || maps_[other].is_doubtful) {
+      continue;
+    }
+    const Verdict verdict = decide_in(other, Stake::Tie, found_[0].end);
+    if (verdict.status == FixStatus::Fix) {
+      const Pose2& T_other_B = weighed_[verdict.chosen].candidate.pose_W;
+      return tie_at(map, {other, T_other_B * T_map_B.inverse(), 0, 0, 0.0});
+    }
+  }
+  return false;
+}
+
+/// `map` becomes part of the map where it lies. False when they have hardly a landmark in common there.
+bool Atlas::tie_at(MapSlot map, const PlaceHypothesis& place) noexcept {
+  const MapEntry& entry = maps_[map];
+  const double sigma_m = rates_.sigma_m(scale_.start_sigma_m());
   Weighed tied;
   tied.candidate.map = place.target;
   tied.candidate.pose_W = place.T_target_map;
-  confirmed_slots_.clear();
-  const double gate_m = 3.7 * rates_.sigma_m(scale_.start_sigma_m());
-  graph_.index().visit_within(
-      map, entry.last_pose.translation(), 2.0 * std::max(scan_.reach_m, 30.0),
-      [&](std::uint32_t slot, double) {
-        double d2 = 0.0;
-        const Point2 p = place.T_target_map * graph_.positions()[slot];
-        const std::uint32_t twin = graph_.index().nearest_within(place.target, p, gate_m, d2);
-        const bool is_taken = std::any_of(tied.candidate.matches.begin(), tied.candidate.matches.end(),
-                                          [&](const Match& match) { return match.map == twin; });
-        if (twin != LandmarkIndex::kNone && !is_taken && confirmed_slots_.try_push_back(slot) &&
-            !tied.candidate.matches.try_push_back(
-                {static_cast<std::uint32_t>(confirmed_slots_.size() - 1), twin})) {
-          confirmed_slots_.truncate(confirmed_slots_.size() - 1);
-        }
-      });
-  if (tied.candidate.matches.size() < 3) {
-    return false;
+  for (int round = 0; round < 2; ++round) {  // what scans say of the place is less precise than the maps
+    confirmed_.clear();
+    confirmed_slots_.clear();
+    tied.candidate.matches.clear();
+    graph_.index().visit_within(
+        map, entry.last_pose.translation(), 2.0 * std::max(scan_.reach_m, 30.0),
+        [&](std::uint32_t slot, double) {
+          double d2 = 0.0;
+          const Point2 p = tied.candidate.pose_W * graph_.positions()[slot];
+          const std::uint32_t twin =
+              graph_.index().nearest_within(place.target, p, kTieGateSigmas * sigma_m, d2);
+          const bool is_taken = std::any_of(tied.candidate.matches.begin(), tied.candidate.matches.end(),
+                                            [&](const Match& match) { return match.map == twin; });
+          if (twin != LandmarkIndex::kNone && !is_taken &&
+              tied.candidate.matches.try_push_back({static_cast<std::uint32_t>(confirmed_.size()), twin}) &&
+              confirmed_.try_push_back(graph_.positions()[slot])) {
+            SLAMSENSOR_ASSERT(confirmed_slots_.try_push_back(slot));
+          }
+        });
+    if (tied.candidate.matches.size() < 3) {
+      return false;
+    }
+    tied.candidate.pose_W = fit_pose_robust(tied.candidate.pose_W, tied.candidate.matches.span(),
+                                            confirmed_.span(), graph_.positions(), kTwinGateSigmas * sigma_m);
   }
   for (std::size_t i = 0; i < 3; ++i) {
     tied.candidate.triangle[i] = tied.candidate.matches[i].map;
@@ -174,6 +209,9 @@ MatchList Atlas::twins_of(MapSlot map, const Weighed& w) const noexcept {
   const double gate_m = kTwinGateSigmas * rates_.sigma_m(scale_.start_sigma_m());
   const RigidMotion move(w.candidate.pose_W);
   graph_.visit_landmarks(map, [&](std::uint32_t slot) {
+    if (!graph_.is_used(slot)) {
+      return;  // it stands no more
+    }
     double d2 = 0.0;
     const std::uint32_t twin =
         graph_.index().nearest_within(w.candidate.map, move(graph_.positions()[slot]), gate_m, d2);
@@ -314,10 +352,8 @@ void Atlas::link_layers(const Candidate& answer, const Candidate& other) noexcep
   static_cast<void>(graph_.add_pose(pose, seen_.span(), SightingGraph::Weights::Full));
   graph_.sum_anew();
   for (std::uint32_t i = 0; i < kStepsAfterLoop; ++i) {
-    graph_.group_step(answer.map, rates_.sigma_m(scale_.start_sigma_m()), kLoopStepGain);
+    graph_.refine(answer.map, rates_.sigma_m(scale_.start_sigma_m()));
   }
-  linked_scan_ = scan_.number;
-  has_linked_ = true;
 }
 
 /// Before `a` and `b`, which the entry counts both, become one landmark, which both scans have confirmed.

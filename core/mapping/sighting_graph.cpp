@@ -8,11 +8,6 @@
 namespace slamsensor::core {
 namespace {
 
-constexpr double kHolds = 0.1;  // a sighting of less weight says little of where its pose is
-// A pose that fewer hold stays: landmarks that were taken out leave poses behind that nothing would keep from
-// turning.
-constexpr std::uint32_t kHeldMin = 3;
-
 /// Weight of Geman and McClure's kernel.
 double robust_weight(double distance2_m2, double scale_m) noexcept {
   const double r = 1.0 + distance2_m2 / (scale_m * scale_m);
@@ -35,13 +30,16 @@ SightingGraph::SightingGraph(Arena& arena, const Config& config) noexcept
       sightings_(arena, "maps: sightings",
                  std::max(config.capacities.sightings, config.capacities.scan_landmarks)),
       marks_(arena, "maps: marks of poses", config.capacities.path_poses),
+      unknowns_(arena, "maps: equations of poses", config.capacities.path_poses),
+      means_(arena, "maps: equations of landmarks", config.capacities.map_landmarks),
       system_(arena, "maps: group equations", std::size_t{kUnknownsMax} * kUnknownsMax) {
   for (MapDrift& drift : drifts_) {
     drift.groups.fill(Eigen::Matrix3d::Zero());
   }
   first_of_map_.fill(kNone);
   SLAMSENSOR_ASSERT(system_.try_resize(system_.capacity()) && poses_.try_resize(poses_.capacity()) &&
-                    marks_.try_resize(marks_.capacity()) && sightings_.try_resize(sightings_.capacity()));
+                    marks_.try_resize(marks_.capacity()) && unknowns_.try_resize(unknowns_.capacity()) &&
+                    means_.try_resize(means_.capacity()) && sightings_.try_resize(sightings_.capacity()));
 }
 
 Point2 SightingGraph::body_point(const Point2& point_L) const noexcept {
@@ -52,6 +50,9 @@ Point2 SightingGraph::body_point(const Point2& point_L) const noexcept {
 std::uint32_t SightingGraph::add_landmark(MapSlot map, const Point2& position_W, std::uint32_t scan,
                                           std::uint32_t xi) noexcept {
   std::uint32_t slot = static_cast<std::uint32_t>(landmarks_.size());
+  if (free_.empty() && slot == landmarks_.capacity() && retired_ > 0) {
+    forget_one_retired();
+  }
   if (!free_.empty()) {
     slot = free_.back();
     free_.truncate(free_.size() - 1);
@@ -67,7 +68,7 @@ std::uint32_t SightingGraph::add_landmark(MapSlot map, const Point2& position_W,
   put_into_map(slot, map);
   positions_[slot] = position_W;
   standing_[slot] = Standing{};
-  used_[slot] = 1;
+  used_[slot] = kStands;
   index_.insert(slot, map, position_W);
   return slot;
 }
@@ -83,17 +84,36 @@ void SightingGraph::set_prior(std::uint32_t slot, double weight) noexcept {
 }
 
 void SightingGraph::remove_landmark(std::uint32_t slot) noexcept {
-  SLAMSENSOR_ASSERT(used_[slot] != 0);
+  SLAMSENSOR_ASSERT(used_[slot] != kFree);
   for (std::uint32_t s = landmarks_[slot].sightings; s != kNone;) {
     const std::uint32_t next = sightings_[s].next;
     sightings_[s].landmark = kNone;
     sightings_[s].next = kNone;
     s = next;
   }
-  used_[slot] = 0;
+  if (used_[slot] == kStands) {
+    index_.erase(slot);
+  } else {
+    --retired_;
+  }
+  used_[slot] = kFree;
   take_out_of_map(slot);
-  index_.erase(slot);
   SLAMSENSOR_ASSERT(free_.try_push_back(slot));
+}
+
+void SightingGraph::retire_landmark(std::uint32_t slot) noexcept {
+  SLAMSENSOR_ASSERT(used_[slot] == kStands);
+  index_.erase(slot);
+  used_[slot] = kRetired;
+  ++retired_;
+}
+
+/// Another one each time, whichever comes first.
+void SightingGraph::forget_one_retired() noexcept {
+  do {
+    retired_turn_ = retired_turn_ + 1 < landmarks_.size() ? retired_turn_ + 1 : 0;
+  } while (used_[retired_turn_] != kRetired);
+  remove_landmark(retired_turn_);
 }
 
 void SightingGraph::put_into_map(std::uint32_t slot, MapSlot map) noexcept {
@@ -142,7 +162,9 @@ void SightingGraph::place(std::uint32_t slot) noexcept {
   const GraphLandmark& l = landmarks_[slot];
   if (l.sum_weight > 1e-6) {
     positions_[slot] = Point2(l.sum_x_m, l.sum_y_m) / l.sum_weight;
-    index_.move(slot, positions_[slot]);
+    if (used_[slot] == kStands) {
+      index_.move(slot, positions_[slot]);
+    }
   }
 }
 
@@ -202,8 +224,12 @@ void SightingGraph::fold_oldest() noexcept {
         (old * static_cast<double>(l.prior_y_m) + static_cast<double>(s.weight) * q.y()) / weight);
     l.prior_weight = static_cast<float>(weight);
     l.brought_by = l.brought_by == s.pose ? kNone : l.brought_by;
+    const std::uint32_t slot = s.landmark;
     unchain(at);
     s.landmark = kNone;
+    if (used_[slot] == kRetired && l.sightings == kNone) {
+      remove_landmark(slot);
+    }
   }
   // Sightings are kept in the order of their poses: those up to the next pose go with this one.
   pose.count = 0;
@@ -241,8 +267,10 @@ SightingGraph::Loss SightingGraph::remove_pose(std::uint32_t place_of) noexcept 
     const bool was_confirmed = standing.sightings >= 2;
     standing.sightings -= standing.sightings > 1 ? 1 : 0;
     const bool goes = landmarks_[slot].sightings == kNone && !(landmarks_[slot].prior_weight > 0.0F);
-    loss.landmarks += goes ? 1 : 0;
-    loss.confirmed += was_confirmed && (goes || standing.sightings < 2) ? 1 : 0;
+    if (used_[slot] == kStands) {
+      loss.landmarks += goes ? 1 : 0;
+      loss.confirmed += was_confirmed && (goes || standing.sightings < 2) ? 1 : 0;
+    }
     if (goes) {
       remove_landmark(slot);
     } else {
@@ -388,8 +416,10 @@ void SightingGraph::merge(MapSlot from, MapSlot to, const Pose2& T_to_from,
     }
     take_out_of_map(slot);
     put_into_map(slot, to);
-    index_.erase(slot);
-    index_.insert(slot, to, positions_[slot]);
+    if (used_[slot] == kStands) {
+      index_.erase(slot);
+      index_.insert(slot, to, positions_[slot]);
+    }
   });
   for (std::uint64_t p = pose_tail_; p < pose_head_; ++p) {
     GraphPose& pose = poses_[static_cast<std::size_t>(p % poses_.capacity())];
@@ -480,7 +510,7 @@ void SightingGraph::sum_anew() noexcept {
     }
   });
   for (std::uint32_t slot = 0; slot < landmarks_.size(); ++slot) {
-    if (used_[slot] != 0) {
+    if (used_[slot] != kFree) {
       place(slot);
     }
   }
@@ -515,6 +545,7 @@ void SightingGraph::clear() noexcept {
   pose_head_ = pose_tail_ = sighting_head_ = sighting_tail_ = turn_ = 0;
   folded_ = 0;
   next_id_ = 0;
+  retired_ = retired_turn_ = 0;
   offset_m_ = expected_offset_m_ = 0.0;
   is_offset_found_ = false;
   drifts_[0].map = drifts_[1].map = UINT16_MAX;

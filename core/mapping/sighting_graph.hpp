@@ -49,8 +49,9 @@ struct GraphPose {
   std::uint32_t gone = 0;     ///< ... and how many of them later scans contradicted
   std::uint32_t chain = 0;    ///< number of the map that it was brought into, before ties
   MapSlot map = 0;
-  std::uint16_t group = 0;      ///< of the last group step
+  std::uint16_t group = 0;      ///< of the last refinement
   std::uint16_t is_anchor = 0;  ///< holds the frame of its map: it is never moved
+  std::uint16_t is_weak = 0;    ///< too little else holds it
 };
 
 /// One landmark in one scan.
@@ -68,10 +69,9 @@ struct GraphSighting {
 /// The landmarks are eliminated: each stands at the weighted mean of its sightings, so that the unknowns are
 /// the poses. Two kinds of steps lower the sum of squares. A refit moves one pose to its best place against
 /// what the other poses say of its landmarks (block Gauss-Seidel on the reduced system, exact, in time of its
-/// sightings). A group step moves groups of consecutive poses as rigid bodies (the coarse level of a two-grid
-/// method; it spreads what a closed loop shows over the whole loop). Weights are those of a robust kernel
-/// whose scale is the tolerance or more: a smaller one would choose between sightings that disagree instead
-/// of averaging them.
+/// sightings). `refine` moves all poses of a map: by the exact Gauss-Newton step as long as they are few,
+/// then by preconditioned conjugate gradients. Weights are those of a robust kernel whose scale is the
+/// tolerance or more: a smaller one would choose between sightings that disagree instead of averaging them.
 ///
 /// Memory is fixed. Poses and sightings are two rings; when one is full the oldest pose is folded: its
 /// sightings become part of the priors of their landmarks. One thread; no allocation after construction.
@@ -88,6 +88,9 @@ class SightingGraph {
   /// Gives a landmark without sightings a prior of `weight` sightings at its place.
   void set_prior(std::uint32_t slot, double weight) noexcept;
   void remove_landmark(std::uint32_t slot) noexcept;
+  /// The landmark stands no more: nothing is matched with it, and its slot is free for another. Until then
+  /// its sightings go on saying how the poses that saw it lie to each other.
+  void retire_landmark(std::uint32_t slot) noexcept;
 
   /// What a scan saw of a landmark.
   struct Seen {
@@ -150,10 +153,10 @@ class SightingGraph {
   [[nodiscard]] Standing& standing(std::uint32_t slot) noexcept { return standing_[slot]; }
   [[nodiscard]] GraphLandmark& landmark(std::uint32_t slot) noexcept { return landmarks_[slot]; }
   [[nodiscard]] const GraphLandmark& landmark(std::uint32_t slot) const noexcept { return landmarks_[slot]; }
-  [[nodiscard]] bool is_used(std::uint32_t slot) const noexcept { return used_[slot] != 0; }
+  [[nodiscard]] bool is_used(std::uint32_t slot) const noexcept { return used_[slot] == kStands; }
   [[nodiscard]] std::uint32_t slots() const noexcept { return static_cast<std::uint32_t>(landmarks_.size()); }
   [[nodiscard]] std::uint32_t free_landmarks() const noexcept {
-    return static_cast<std::uint32_t>(free_.size() + (landmarks_.capacity() - landmarks_.size()));
+    return static_cast<std::uint32_t>(free_.size() + retired_ + (landmarks_.capacity() - landmarks_.size()));
   }
   [[nodiscard]] const LandmarkIndex& index() const noexcept { return index_; }
   [[nodiscard]] GraphPose& pose(std::uint32_t place) noexcept { return poses_[place]; }
@@ -186,11 +189,10 @@ class SightingGraph {
   [[nodiscard]] std::uint64_t sightings_kept() const noexcept { return sighting_head_ - sighting_tail_; }
   [[nodiscard]] std::uint64_t poses_folded() const noexcept { return folded_; }
 
-  /// One group step on the poses of `map` (see above), and a step of the offset with it. `sigma_m` is the
-  /// spread of a sighting per axis. A step that would lower the sum of squares by less than `gain_min`
-  /// variances of a sighting is not made. Takes time in proportion to the sightings of the map.
-  void group_step(MapSlot map, double sigma_m, double gain_min) noexcept;
-  /// Variance of (x, y, heading) of a pose relative to the origin of its map, as the last group step of that
+  /// One step of the poses of `map` towards the least squares, and of the offset while the map is small.
+  /// `sigma_m` is the spread of a sighting per axis. Takes time in proportion to the sightings of the map.
+  void refine(MapSlot map, double sigma_m) noexcept;
+  /// Variance of (x, y, heading) of a pose relative to the origin of its map, as the last refinement of that
   /// map found it, for sightings of variance 1. Zero before the first.
   [[nodiscard]] Eigen::Matrix3d drift_of(std::uint32_t pose) const noexcept {
     for (const MapDrift& drift : drifts_) {
@@ -200,7 +202,7 @@ class SightingGraph {
     }
     return Eigen::Matrix3d::Zero();
   }
-  /// Drift is kept of `home` and of one more map: that of the last group step in another.
+  /// Drift is kept of `home` and of one more map: that of the last refinement of another.
   void set_home(MapSlot home) noexcept;
   [[nodiscard]] double offset_m() const noexcept { return offset_m_; }
   [[nodiscard]] double expected_offset_m() const noexcept { return expected_offset_m_; }
@@ -208,6 +210,14 @@ class SightingGraph {
   [[nodiscard]] bool is_offset_found() const noexcept { return is_offset_found_; }
 
  private:
+  // What is in a slot.
+  static constexpr std::uint8_t kFree = 0;
+  static constexpr std::uint8_t kStands = 1;
+  static constexpr std::uint8_t kRetired = 2;
+  static constexpr double kHolds = 0.1;  // a sighting of less weight says little of where its pose is
+  // A pose that fewer hold would turn freely: it stays with its neighbours.
+  static constexpr std::uint32_t kHeldMin = 3;
+  static constexpr double kTurnMax_rad = 0.3;  // of a step: beyond, the linearisation says nothing
   static constexpr std::uint32_t kGroupsMax = 40;
   static constexpr std::uint32_t kUnknownsMax = 3 * kGroupsMax + 1;  // the offset is the last one
 
@@ -237,6 +247,23 @@ class SightingGraph {
   };
   using Shares = FixedVector<Share, kGroupsMax>;
 
+  /// (x, y, heading) of a pose, in the conjugate gradients.
+  struct PoseUnknown {
+    Eigen::Vector3d residual = Eigen::Vector3d::Zero();
+    Eigen::Vector3d guess = Eigen::Vector3d::Zero();  // preconditioned residual
+    Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+    Eigen::Vector3d image = Eigen::Vector3d::Zero();  // of the direction
+    Eigen::Vector3d step = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();  // of its own block of the equations
+  };
+
+  /// A landmark in the conjugate gradients, by what strong poses say.
+  struct MeanPlace {
+    Point2 place = Point2::Zero();
+    double weight = 0.0;
+    Point2 follows = Point2::Zero();  // of a direction
+  };
+
   struct MapDrift {
     MapSlot map = UINT16_MAX;  // none
     std::array<Eigen::Matrix3d, kGroupsMax> groups{};
@@ -244,6 +271,7 @@ class SightingGraph {
 
   void put_into_map(std::uint32_t slot, MapSlot map) noexcept;
   void take_out_of_map(std::uint32_t slot) noexcept;
+  void forget_one_retired() noexcept;
   void chain(std::uint32_t sighting) noexcept;
   void unchain(std::uint32_t sighting) noexcept;
   void add_to_sum(const GraphSighting& sighting, const Point2& at_W, double sign) noexcept;
@@ -257,7 +285,17 @@ class SightingGraph {
   void hold_frame(MapSlot map, std::uint32_t groups) noexcept;
   [[nodiscard]] bool factorise(std::uint32_t unknowns) noexcept;
   void solve(std::span<double> x) const noexcept;
-  void move_groups(MapSlot map, bool is_forward) noexcept;
+  [[nodiscard]] double step_each(MapSlot map, std::uint32_t groups, double sigma_m) noexcept;
+  [[nodiscard]] double step_by_gradients(MapSlot map, std::uint32_t groups) noexcept;
+  template <typename Visit>
+  void visit_strong(MapSlot map, Visit&& visit) noexcept;
+  void find_weak(MapSlot map) noexcept;
+  [[nodiscard]] double strong_weight_of(const GraphSighting& s, const GraphPose& pose) const noexcept;
+  void linearise(MapSlot map) noexcept;
+  [[nodiscard]] double apply_system(MapSlot map) noexcept;
+  [[nodiscard]] double precondition(MapSlot map, std::uint32_t groups) noexcept;
+  void carry_weak(MapSlot map) noexcept;
+  void move_poses(MapSlot map, double sign) noexcept;
   [[nodiscard]] double squares(MapSlot map) const noexcept;
   void find_drift(MapSlot map, std::uint32_t groups) noexcept;
   [[nodiscard]] double offset_worth_m(double sigma_m) const noexcept;
@@ -280,10 +318,14 @@ class SightingGraph {
   BoundedVector<Standing> standing_;
   BoundedVector<std::uint8_t> used_;
   BoundedVector<std::uint32_t> free_;
+  std::uint32_t retired_ = 0;
+  std::uint32_t retired_turn_ = 0;
   std::array<std::uint32_t, kMapsMax> first_of_map_{};  // landmarks
   BoundedVector<GraphPose> poses_;
   BoundedVector<GraphSighting> sightings_;
-  BoundedVector<std::uint32_t> marks_;  // per pose, of may_be_one
+  BoundedVector<std::uint32_t> marks_;   // per pose, of may_be_one
+  BoundedVector<PoseUnknown> unknowns_;  // per pose
+  BoundedVector<MeanPlace> means_;       // per landmark
   std::uint32_t mark_ = 0;
   std::uint64_t pose_head_ = 0;  // of the next pose; places are modulo the capacity
   std::uint64_t pose_tail_ = 0;
@@ -296,7 +338,7 @@ class SightingGraph {
   std::array<Point2, kGroupsMax> middles_{};  // of the groups
   std::array<double, kGroupsMax> members_{};
   std::array<MapDrift, 2> drifts_{};  // of the home map, of another
-  double range_sum_m_ = 0.0;          // of the sightings of the last group step
+  double range_sum_m_ = 0.0;          // of the sightings of the last refinement
   double range_count_ = 0.0;
   double path_m_ = 0.0;  // within the groups of it
   std::uint32_t next_id_ = 0;

@@ -168,6 +168,66 @@ TEST(SightingGraph, APoseThatHardlyAnythingHoldsStays) {
   EXPECT_EQ(mirror.graph->pose(place).T_W_B.x_m, 0.02);
 }
 
+// A tree that was felled still says how the poses lie that saw it. When it was forgotten with its sightings,
+// nothing held those poses, and whole maps turned.
+TEST(SightingGraph, ARetiredLandmarkIsMatchedNoMoreAndHoldsItsPosesAsBefore) {
+  World world(graph_config(60, 2'000), 21);
+  World twin(graph_config(60, 2'000), 21);
+  std::vector<std::uint32_t> places;
+  for (World* w : {&world, &twin}) {
+    places.clear();
+    places.push_back(w->look(0, 0.1, true));
+    for (int i = 0; i < 20; ++i) {
+      places.push_back(w->look(0, 0.2));
+    }
+  }
+  SightingGraph& graph = *world.mirror.graph;
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    graph.retire_landmark(world.slots[0][i]);
+    EXPECT_FALSE(graph.is_used(world.slots[0][i]));
+  }
+  EXPECT_EQ(graph.index().size(), 100U);
+  for (const std::uint32_t place : places) {
+    graph.refit(place);
+    twin.mirror.graph->refit(place);
+    EXPECT_EQ(graph.pose(place).T_W_B.x_m, twin.mirror.graph->pose(place).T_W_B.x_m);
+  }
+  EXPECT_EQ(graph.free_landmarks(), twin.mirror.graph->free_landmarks() + 60);
+}
+
+TEST(SightingGraph, TheSlotOfARetiredLandmarkIsThereForAnother) {
+  World world(graph_config(60, 2'000), 22);
+  for (int i = 0; i < 10; ++i) {
+    (void)world.look(0, 0.1);
+  }
+  SightingGraph& graph = *world.mirror.graph;
+  while (graph.free_landmarks() > 0) {
+    (void)world.mirror.add_landmark(1, {world.draw.uniform(-30, 30), world.draw.uniform(-30, 30)});
+  }
+  graph.retire_landmark(world.slots[0][0]);
+  graph.retire_landmark(world.slots[0][1]);
+  EXPECT_EQ(graph.free_landmarks(), 2U);
+  EXPECT_NE(graph.add_landmark(0, {1.0, 2.0}, 50, 0), SightingGraph::kNone);
+  EXPECT_NE(graph.add_landmark(0, {3.0, 4.0}, 50, 0), SightingGraph::kNone);
+  EXPECT_EQ(graph.free_landmarks(), 0U);
+  EXPECT_EQ(graph.add_landmark(0, {5.0, 6.0}, 50, 0), SightingGraph::kNone);
+}
+
+TEST(SightingGraph, ARetiredLandmarkGoesWithItsLastSighting) {
+  World world(graph_config(12, 2'000), 23);
+  (void)world.look(0, 0.1);
+  SightingGraph& graph = *world.mirror.graph;
+  const std::uint32_t free_before = graph.free_landmarks();
+  graph.retire_landmark(world.slots[0][0]);
+  world.slots[0].erase(world.slots[0].begin());
+  for (int i = 0; i < 40; ++i) {
+    (void)world.look(0, 0.1);  // the first pose is folded
+  }
+  EXPECT_EQ(graph.free_landmarks(), free_before + 1);
+  graph.forget(0);
+  EXPECT_EQ(graph.free_landmarks(), free_before + 80);
+}
+
 TEST(SightingGraph, WhatOneScanShowsTwiceIsNotOne) {
   MirroredGraph mirror(graph_config(20, 200));
   std::vector<std::uint32_t> slots;

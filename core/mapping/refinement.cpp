@@ -1,7 +1,8 @@
-// The coarse level of the refinement: SightingGraph::group_step. Poses of a map are moved in groups, each as
-// a rigid body about its middle, by the exact Gauss-Newton step of the reduced system (landmarks eliminated).
-// What a closed loop shows is so spread over the whole loop at once, where moving pose by pose would take as
-// many rounds as there are poses.
+// The refinement's step: SightingGraph::refine. As long as each pose can be a group of its own, it is the
+// exact Gauss-Newton step of the reduced system (landmarks eliminated), the offset of near faces with it.
+// Later the groups, of consecutive poses, are the coarse level of the conjugate gradients: what a closed loop
+// shows is so spread over the whole loop at once, where moving pose by pose would take as many rounds as
+// there are poses.
 #include "core/mapping/sighting_graph.hpp"
 
 #include <algorithm>
@@ -13,20 +14,17 @@ namespace {
 constexpr double kGroupGap_m = 30.0;  // between poses that follow each other: farther is a kidnap
 constexpr double kHold = 1e9;         // information that holds the frame of a map
 constexpr double kDamping = 1e-6;
-constexpr double kTurnMax_rad = 0.3;   // of a step: beyond, the linearisation says nothing
 constexpr double kOffsetPrior = 2.0;   // sightings' worth of belief that there is no offset
 constexpr double kOffsetSigmas = 4.0;  // by which an offset has to stand out before it is used
 constexpr double kOffsetMax_m = 0.5;
 constexpr double kOffsetStep_m = 0.1;     // at a time: the association has yet to follow
 constexpr double kOffsetMin_m = 0.08;     // a smaller step from none is taken for what errors have in common
 constexpr double kOffsetWorth_m = 0.002;  // a smaller change is not worth moving all landmarks
-constexpr double kOffsetDue_m = 0.02;     // one that is surely larger is, whatever it gains so far
-constexpr double kOffsetDueSigmas = 2.0;  // surely: by so many sigma
 constexpr double kOffsetFound_m = 0.04;   // 1 sigma
 
 }  // namespace
 
-void SightingGraph::group_step(MapSlot map, double sigma_m, double gain_min) noexcept {
+void SightingGraph::refine(MapSlot map, double sigma_m) noexcept {
   const std::uint32_t groups = make_groups(map);
   if (groups < 2) {
     return;
@@ -35,7 +33,7 @@ void SightingGraph::group_step(MapSlot map, double sigma_m, double gain_min) noe
   step_.fill(0.0);
   range_sum_m_ = range_count_ = 0.0;
   for (std::uint32_t slot = 0; slot < landmarks_.size(); ++slot) {
-    if (used_[slot] != 0 && landmarks_[slot].map == map && landmarks_[slot].sightings != kNone) {
+    if (used_[slot] != kFree && landmarks_[slot].map == map && landmarks_[slot].sightings != kNone) {
       add_landmark_to_system(slot, 3 * groups);
     }
   }
@@ -46,52 +44,55 @@ void SightingGraph::group_step(MapSlot map, double sigma_m, double gain_min) noe
   if (!factorise(unknowns)) {
     return;
   }
-  const std::array<double, kUnknownsMax> slope = step_;
-  solve(std::span(step_).first(unknowns));
-  // The offset is found where each pose is a group of its own: larger groups would bend to take it up. It is
-  // the last unknown, so that the step of the poses without it is that of the leading part of the equations.
-  std::uint32_t moved = unknowns;
-  const double offset_sigma_m = sigma_m / system(unknowns - 1, unknowns - 1);
-  const double offset_step_m = std::abs(step_[unknowns - 1]);
-  const bool is_each_apart =
-      std::none_of(members_.begin(), members_.begin() + groups, [](double members) { return members > 1.0; });
-  is_offset_found_ = is_offset_found_ || (is_each_apart && offset_sigma_m <= kOffsetFound_m);
-  if (!is_each_apart || offset_step_m < offset_worth_m(offset_sigma_m)) {
-    moved = 3 * groups;
-    step_ = slope;
-    solve(std::span(step_).first(moved));
-  }
-  const bool is_offset_due = moved == unknowns && expected_offset_m_ > 0.0 &&
-                             offset_step_m >= std::max(kOffsetDue_m, kOffsetDueSigmas * offset_sigma_m);
+  const double offset_step_m =
+      std::all_of(members_.begin(), members_.begin() + groups, [](double members) { return members == 1.0; })
+          ? step_each(map, groups, sigma_m)
+          : step_by_gradients(map, groups);
   find_drift(map, groups);
-  double gain = 0.0;  // of the step: by how much it lowers the sum of squares
-  for (std::size_t i = 0; i < std::size_t{moved}; ++i) {
-    gain += slope[i] * step_[i];
-  }
-  if (gain < gain_min * sigma_m * sigma_m && !is_offset_due) {
-    return;
-  }
   const double offset_m = offset_m_;
   const double before = squares(map);
-  if (moved == unknowns) {
-    offset_m_ = std::clamp(offset_m_ + std::clamp(step_[unknowns - 1], -kOffsetStep_m, kOffsetStep_m),
-                           -kOffsetMax_m, kOffsetMax_m);
-  }
-  move_groups(map, true);
+  offset_m_ = std::clamp(offset_m_ + offset_step_m, -kOffsetMax_m, kOffsetMax_m);
+  move_poses(map, 1.0);
   sum_anew();
   if (squares(map) > before) {  // beyond what the linearised equations say
     offset_m_ = offset_m;
-    move_groups(map, false);
+    move_poses(map, -1.0);
     sum_anew();
   }
 }
 
-/// The weighted sum of squares of the map's sightings about their landmarks (m^2).
+/// The step of each pose by itself, and the offset's, which is returned: larger groups would bend to take the
+/// offset up. It is the last unknown, so that the step of the poses without it is that of the leading part of
+/// the equations.
+double SightingGraph::step_each(MapSlot map, std::uint32_t groups, double sigma_m) noexcept {
+  const std::uint32_t unknowns = 3 * groups + 1;
+  const std::array<double, kUnknownsMax> slope = step_;
+  solve(std::span(step_).first(unknowns));
+  const double offset_sigma_m = sigma_m / system(unknowns - 1, unknowns - 1);
+  double offset_step_m = std::clamp(step_[unknowns - 1], -kOffsetStep_m, kOffsetStep_m);
+  is_offset_found_ = is_offset_found_ || offset_sigma_m <= kOffsetFound_m;
+  if (std::abs(step_[unknowns - 1]) < offset_worth_m(offset_sigma_m)) {
+    offset_step_m = 0.0;
+    step_ = slope;
+    solve(std::span(step_).first(3 * groups));
+  }
+  visit_poses([&](std::uint32_t at, const GraphPose& pose) {
+    if (pose.map == map) {
+      const std::size_t first = std::size_t{3} * pose.group;
+      unknowns_[at].step = {step_[first], step_[first + 1],
+                            std::clamp(step_[first + 2], -kTurnMax_rad, kTurnMax_rad)};
+      unknowns_[at].step *= pose.is_anchor != 0 ? 0.0 : 1.0;
+    }
+  });
+  return offset_step_m;
+}
+
+/// The weighted sum of squares of the sightings of the map's strong poses about their landmarks (m^2).
 double SightingGraph::squares(MapSlot map) const noexcept {
   double sum = 0.0;
   visit_poses([&](std::uint32_t, const GraphPose& pose) {
     const Carrier carry(*this, pose.T_W_B);
-    for (std::uint32_t i = 0; pose.map == map && i < pose.count; ++i) {
+    for (std::uint32_t i = 0; pose.map == map && pose.is_weak == 0 && i < pose.count; ++i) {
       const GraphSighting& s = sightings_[(pose.first + i) % sightings_.capacity()];
       if (s.landmark != kNone) {
         sum += static_cast<double>(s.weight) * (carry(s) - positions_[s.landmark]).squaredNorm();
@@ -291,21 +292,14 @@ void SightingGraph::find_drift(MapSlot map, std::uint32_t groups) noexcept {
   }
 }
 
-/// Moves the poses by their groups' steps, or back again.
-void SightingGraph::move_groups(MapSlot map, bool is_forward) noexcept {
-  visit_poses([&](std::uint32_t place_of, const GraphPose& pose) {
-    if (pose.map != map || pose.is_anchor != 0) {
-      return;
+void SightingGraph::move_poses(MapSlot map, double sign) noexcept {
+  visit_poses([&](std::uint32_t at, const GraphPose& pose) {
+    if (pose.map == map) {
+      Pose2& T_W_B = poses_[at].T_W_B;
+      T_W_B.x_m += sign * unknowns_[at].step.x();
+      T_W_B.y_m += sign * unknowns_[at].step.y();
+      T_W_B.heading_rad = wrap_angle(T_W_B.heading_rad + sign * unknowns_[at].step.z());
     }
-    const std::size_t at = std::size_t{3} * pose.group;
-    const Point2& middle = middles_[pose.group];
-    const Point2 step(step_[at], step_[at + 1]);
-    const double turn_rad =
-        (is_forward ? 1.0 : -1.0) * std::clamp(step_[at + 2], -kTurnMax_rad, kTurnMax_rad);
-    const Pose2 turn{0.0, 0.0, turn_rad};
-    const Point2 from = pose.T_W_B.translation() - middle;
-    const Point2 moved = middle + (is_forward ? Point2(step + turn * from) : turn * Point2(from - step));
-    poses_[place_of].T_W_B = {moved.x(), moved.y(), wrap_angle(pose.T_W_B.heading_rad + turn_rad)};
   });
 }
 
