@@ -12,8 +12,8 @@ LandmarkDetector::LandmarkDetector(Arena& arena, const DetectionConfig& config,
       scanline_(arena, config),
       web_(arena, config, capacities.occupied_cells),
       hull_(arena, web_.grid()),
-      heaviest_(arena, "detected groups", config.landmarks_max),
-      landmarks_(arena.take<ScanLandmark>("detected landmarks", config.landmarks_max)),
+      heaviest_(arena, "detected groups", config.detected_most()),
+      landmarks_(arena.take<ScanLandmark>("detected landmarks", config.detected_most())),
       farthest_(arena, "view: farthest cells", web_.grid().columns()),
       free_m_(arena, "view: free ranges", web_.grid().columns()) {
   SLAMSENSOR_ASSERT(free_m_.try_resize(free_m_.capacity()) && farthest_.try_resize(farthest_.capacity()));

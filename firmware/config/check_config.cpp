@@ -135,11 +135,14 @@ void check_method(Rules& rules) {
   rules.require(capacities.occupied_cells >= grid_columns(detection),
                 {"capacities.occupied_cells", "detection.bearing_step_deg"},
                 "is too small for the cells of one scanline all the way round,");
-  rules.require(capacities.scan_landmarks >= detection.landmarks_max,
-                {"capacities.scan_landmarks", "detection.landmarks_max"}, "is too small for");
-  rules.require(capacities.map_landmarks >= detection.landmarks_max,
-                {"capacities.map_landmarks", "detection.landmarks_max"},
-                "is too small for the landmarks of one scan,");
+  rules.require(detection.landmarks_max == 0 || detection.landmarks_max >= 3, {"detection.landmarks_max"},
+                "is neither 0 nor at least 3");
+  const std::string one_scan =
+      "is too small for the " + std::to_string(detection.detected_most()) + " landmarks of one scan,";
+  rules.require(capacities.scan_landmarks >= detection.detected_most(),
+                {"capacities.scan_landmarks", "detection.landmarks_max"}, one_scan);
+  rules.require(capacities.map_landmarks >= detection.detected_most(),
+                {"capacities.map_landmarks", "detection.landmarks_max"}, one_scan);
   rules.require(capacities.map_edges >= edges,
                 {"capacities.map_edges", "capacities.map_landmarks", "association.depth"},
                 "is too small: " + std::to_string(static_cast<long long>(edges)) + " edges are needed with");

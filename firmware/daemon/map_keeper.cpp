@@ -10,7 +10,7 @@ namespace {
 
 MapMethod method_of(const core::Config& config) {
   return {config.association.tolerance_m, config.detection.range_step_m, config.detection.bearing_step_rad,
-          config.association.depth, config.detection.landmarks_max};
+          config.association.depth, config.detection.detected_most()};
 }
 
 std::int64_t seconds_of(std::chrono::nanoseconds utc) {

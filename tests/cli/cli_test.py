@@ -483,17 +483,17 @@ class Cli(unittest.TestCase):
 
     def test_a_list_that_is_cut_is_told(self):
         draw = random.Random(3)
-        points = [(draw.uniform(-60, 60), draw.uniform(-60, 60)) for _ in range(50)]
+        points = [(draw.uniform(-60, 60), draw.uniform(-60, 60)) for _ in range(80)]
         s = self.write("s.csv", "scan,x_m,y_m\n" + "".join(f"5,{x},{y}\n" for x, y in points + points[:2]))
         m = self.write("m.csv", "id,x_m,y_m\n" + "".join(f"{i},{x},{y}\n" for i, (x, y) in enumerate(points)))
         for arguments in (["replay", "--out", self.out, s],
                           ["locate", "--map", m, "--scans", s, "--out", self.folder / "p.csv"]):
             code, output, errors = run(*arguments)
             self.assertEqual(code, OK, errors)
-            self.assertIn("left out         20 landmarks in 1 scans that list up to 50; "
-                          "--set detection.landmarks_max=50 keeps them", output)
+            self.assertIn("left out         20 landmarks in 1 scans that list up to 80; "
+                          "--set detection.landmarks_max=80 keeps them", output)
             self.assertIn("counted once     2 landmarks", output)
-            code, output, errors = run(*arguments, "--set", "detection.landmarks_max=50")
+            code, output, errors = run(*arguments, "--set", "detection.landmarks_max=80")
             self.assertNotIn("left out    ", output)
 
     def test_full_disk_is_an_error(self):

@@ -153,6 +153,16 @@ def cold_start(rng, seed):
     return scans
 
 
+def stand(rng, seed):
+    """A managed stand, 500 stems a hectare: a winding drive, then 40 kidnaps to places about it."""
+    trees, half_m = geo.forest(rng, 2000, area_per_tree_m2=20.0)
+    poses = geo.winding(rng, half_m - 30.0, 100, 4.0)
+    for _ in range(40):
+        x_m, y_m, _ = rng.choice(poses[:100])
+        poses.append(geo.shaken(rng, (x_m, y_m, rng.uniform(-math.pi, math.pi)), 2.0, 0.1))
+    return drive_through(rng, sensor_of(seed), poses, geo.Grid(trees))
+
+
 def plantation(rng, seed):
     """Rows of trees, 3 by 5 m: a winding drive, then 40 kidnaps."""
     half_m = 75.0
@@ -581,6 +591,7 @@ DRIVES = {
     "twin": DriveKind(twin),
     "twin_bare": DriveKind(twin_bare, never_wrong=False),
     "road": DriveKind(road),
+    "stand": DriveKind(stand),
     "plantation": DriveKind(plantation),
     "cold_start": DriveKind(cold_start),
     "portland": DriveKind(portland, far=True, needs_data=True),

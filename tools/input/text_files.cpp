@@ -136,7 +136,7 @@ ListScan select_landmarks(std::span<const LandmarkRow> rows, const firmware::Lan
                           const core::DetectionConfig& detection) {
   ListScan scan = heaviest_first(rows, config, detection);
   std::vector<core::ScanLandmark>& landmarks = scan.landmarks;
-  const std::size_t room = detection.landmarks_max;
+  const std::size_t room = detection.listed_most();
   if (landmarks.size() <= room) {
     return scan;
   }

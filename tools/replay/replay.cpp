@@ -228,7 +228,7 @@ void add_logged_scans(const RecordingFile& recording, const firmware::Config& co
       continue;
     }
     const std::size_t count =
-        std::min<std::size_t>(scan->landmarks.size(), config.core.detection.landmarks_max);
+        std::min<std::size_t>(scan->landmarks.size(), config.core.detection.listed_most());
     run.result().left_out.see_list(count, scan->landmarks.size() - count);
     const auto heaviest = std::span(scan->landmarks).first(count);
     const FixRow& row = run.add(scan->number, middle_of(scan->time), [&](const core::Deadline& deadline) {

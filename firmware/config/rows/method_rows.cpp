@@ -109,8 +109,8 @@ constexpr Setting kSettings[] = {
      degrees<kCore, kDetection, &DetectionConfig::tilt_max_rad>(-90.0, 90.0)},
     {"detection.discard_share", "", "Share of the readings dropped at each end of a scanline; 0 for a full turn.",
      real<kCore, kDetection, &DetectionConfig::discard_share>(0.0, 0.45)},
-    {"detection.landmarks_max", "", "m_k: the heaviest landmarks of a scan that are kept.",
-     integer<kCore, kDetection, &DetectionConfig::landmarks_max>(3, core::kScanLandmarksMax)},
+    {"detection.landmarks_max", "", "m_k: the heaviest landmarks of a scan that are kept; 0: 30 of readings, 60 of a list.",
+     integer<kCore, kDetection, &DetectionConfig::landmarks_max>(0, core::kScanLandmarksMax)},
     {"detection.point", "", "What stands for a landmark: the centroid of its cells' hull, or the mean of its readings.",
      choice<kCore, kDetection, &DetectionConfig::point>(kPoints)},
 

@@ -45,7 +45,7 @@ TEST(LoadConfig, TakesEveryWayOfWritingATable) {
 TEST(LoadConfig, EmptyFileGivesTheDefaults) {
   const auto loaded = load_config_text("", "empty.toml");
   ASSERT_TRUE(loaded);
-  EXPECT_EQ(loaded->config.core.detection.landmarks_max, 30U);
+  EXPECT_EQ(loaded->config.core.detection.landmarks_max, 0U);
   EXPECT_FALSE(loaded->config.datum);
 }
 
