@@ -36,6 +36,9 @@ int get(int fd, termios2& settings) {
 int set(int fd, const termios2& settings) {
   termios plain{};
   std::memcpy(&plain, &settings, sizeof plain);
+  if ((settings.c_cflag & CBAUD) != BOTHER) {  // the rate is the one that has this name
+    return static_cast<int>(syscall(SYS_ioctl, fd, TCSETS, &plain));
+  }
   plain.c_cflag &= ~static_cast<tcflag_t>(CBAUD | (CBAUD << IBSHIFT));
   for (const Rate& rate : kRates) {
     if (settings.c_ospeed == rate.baud) {
