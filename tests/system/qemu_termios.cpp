@@ -5,6 +5,7 @@
 #include <asm/termbits.h>
 #include <cerrno>
 #include <cstdarg>
+#include <cstdlib>
 #include <cstring>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -48,6 +49,11 @@ int set(int fd, const termios2& settings) {
   }
   errno = EINVAL;
   return -1;
+}
+
+// A program of this machine that the program starts has no use for it.
+[[gnu::constructor]] void forget_preload() {
+  unsetenv("LD_PRELOAD");
 }
 
 }  // namespace
