@@ -5,8 +5,13 @@
 #   slamsensor-dev        types of the LCM messages, and examples of readers
 set(CPACK_PACKAGE_NAME slamsensor)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
-# Nobody has been named yet who answers for the packages: the address is one that cannot be (RFC 2606).
-set(CPACK_PACKAGE_CONTACT "slamsensor developers <developers@slamsensor.invalid>")
+# Who builds the packages answers for them, and is named as Debian's tools are told (debchange(1)): DEBFULLNAME and
+# DEBEMAIL in the environment. Without them the address is one that cannot be (RFC 2606).
+if(NOT "$ENV{DEBFULLNAME}" STREQUAL "" AND NOT "$ENV{DEBEMAIL}" STREQUAL "")
+  set(CPACK_PACKAGE_CONTACT "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
+else()
+  set(CPACK_PACKAGE_CONTACT "slamsensor developers <developers@slamsensor.invalid>")
+endif()
 set(CPACK_COMPONENTS_ALL daemon tools emulator dev)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
@@ -15,7 +20,7 @@ set(CPACK_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
-set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SECTION non-free/science) # no public licence (copyright)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 if(CMAKE_CROSSCOMPILING)
   set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
@@ -58,14 +63,15 @@ set(CPACK_DEBIAN_DEV_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_EMULATOR_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_EMULATOR_PACKAGE_SHLIBDEPS OFF)
-set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION non-free/libdevel)
 
 # Maintainer scripts and conffiles; documents that every package must have.
 set(scripts ${CMAKE_CURRENT_LIST_DIR})
 set(CPACK_DEBIAN_DAEMON_PACKAGE_CONTROL_EXTRA
   ${scripts}/conffiles ${scripts}/postinst ${scripts}/prerm ${scripts}/postrm)
 set(CPACK_DEBIAN_DAEMON_PACKAGE_CONTROL_STRICT_PERMISSION ON)
-execute_process(COMMAND gzip -9nc ${CMAKE_CURRENT_LIST_DIR}/changelog
+configure_file(${CMAKE_CURRENT_LIST_DIR}/changelog.in ${CMAKE_CURRENT_BINARY_DIR}/changelog @ONLY)
+execute_process(COMMAND gzip -9nc ${CMAKE_CURRENT_BINARY_DIR}/changelog
   OUTPUT_FILE ${CMAKE_CURRENT_BINARY_DIR}/changelog.gz COMMAND_ERROR_IS_FATAL ANY)
 foreach(package IN ITEMS daemon:slamsensor tools:slamsensor-tools emulator:slamsensor-emulator dev:slamsensor-dev)
   string(REPLACE ":" ";" package ${package})

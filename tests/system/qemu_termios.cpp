@@ -5,6 +5,7 @@
 #include <asm/termbits.h>
 #include <cerrno>
 #include <cstdarg>
+#include <cstdlib>
 #include <cstring>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -36,6 +37,9 @@ int get(int fd, termios2& settings) {
 int set(int fd, const termios2& settings) {
   termios plain{};
   std::memcpy(&plain, &settings, sizeof plain);
+  if ((settings.c_cflag & CBAUD) != BOTHER) {  // the rate is the one that has this name
+    return static_cast<int>(syscall(SYS_ioctl, fd, TCSETS, &plain));
+  }
   plain.c_cflag &= ~static_cast<tcflag_t>(CBAUD | (CBAUD << IBSHIFT));
   for (const Rate& rate : kRates) {
     if (settings.c_ospeed == rate.baud) {
@@ -45,6 +49,11 @@ int set(int fd, const termios2& settings) {
   }
   errno = EINVAL;
   return -1;
+}
+
+// A program of this machine that the program starts has no use for it.
+[[gnu::constructor]] void forget_preload() {
+  unsetenv("LD_PRELOAD");
 }
 
 }  // namespace
