@@ -50,8 +50,8 @@ enum class Stake : std::uint8_t {
 /// 3. A copy that was mapped. Every other place that explains the witnesses hundredfold better than chance is
 ///    contradicted by a decade more than the answer is; raw odds mislead here, because what is missing at one
 ///    place may be new ground at the other. A place in another map counts where the world may repeat itself,
-///    unless that map explains ten decades less, or is known to lie so that both places are one. And where the
-///    world repeats itself, the answer explains a decade more than wrong places of this map do.
+///    unless that map explains ten decades less, or is known to lie so that both places are one. And where
+///    the world repeats itself, the answer explains a decade more than wrong places of this map do.
 ///
 /// And three sigma of the pose beside its landmarks stay within what is called right.
 [[nodiscard]] Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, SearchEnd end,
