@@ -47,7 +47,7 @@ void Atlas::reset() noexcept {
   maps_made_ = 0;
   landmarks_evicted_ = scans_taken_out_ = 0;
   twin_turn_ = room_turn_ = 0;
-  closed_scan_ = steps_due_ = scans_since_step_ = blind_scans_ = 0;
+  closed_scan_ = linking_scans_ = steps_due_ = scans_since_step_ = blind_scans_ = 0;
   was_unseen_ = {};
   ++revision_;
 }
@@ -83,6 +83,7 @@ Fix Atlas::process(std::span<const ScanLandmark> landmarks, const ScanView& view
   fix.scan = scan_.number = scans_++;
   graph_.set_home(home_);
   scan_.view = &view;
+  linking_scans_ -= linking_scans_ > 0 ? 1 : 0;
   if (view.shows_faces && graph_.expected_offset_m() == 0.0) {
     graph_.expect_offset(kNearFace_m);
   }
@@ -93,7 +94,7 @@ Fix Atlas::process(std::span<const ScanLandmark> landmarks, const ScanView& view
     fix.reason = FixReason::TooFewLandmarks;
     ++blind_scans_;
   } else {
-    search(deadline, fix);
+    search(deadline, Rivals::WhereLikely, fix);
     localise(deadline, fix);
     blind_scans_ = 0;
   }
@@ -118,8 +119,9 @@ MatchModel Atlas::scan_model() const noexcept {
   return model;
 }
 
-void Atlas::search(const Deadline& deadline, Fix& fix) noexcept {
-  const MatchModel model = scan_model();
+void Atlas::search(const Deadline& deadline, Rivals rivals, Fix& fix) noexcept {
+  MatchModel model = scan_model();
+  model.is_thorough = model.is_thorough || rivals == Rivals::All;
   const std::span<const Point2> points_B = points_B_.span();
   find(model.is_thorough ? points_B.first(std::min(points_B.size(), kThoroughMost)) : points_B, kNoMap, model,
        deadline);
@@ -229,13 +231,26 @@ void Atlas::add_common_errors(MapSlot map, const MatchList& matches, Fix& fix) c
       std::sqrt(-2.0 * std::log(config_.acceptance.risk)) * position_sigma_m(fix.covariance);
 }
 
+/// Closes the loop that the scan shows. One that goes on in a map, and does not show again what the last ones
+/// showed there, may have come to another layer of it, which a search that a clear leader ends does not see.
+void Atlas::look_for_layers(const Deadline& deadline, Fix& fix) noexcept {
+  if (frozen_ == Frozen::Yes || is_surveyed_ || weighed_.empty()) {
+    return;
+  }
+  const MapSlot map = weighed_[0].candidate.map;
+  if (maps_[map].last_scan + 1 + blind_scans_ >= scan_.number && stake_of(map) != Stake::Again) {
+    search(deadline, Rivals::All, fix);
+  }
+  if (close_loop(map)) {
+    search(deadline, Rivals::WhereLikely, fix);
+  }
+}
+
 void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
   bool is_held_back = false;  // the map grows, but its first fix has to be better than this one
   Verdict verdict;
   verdict.reason = fix.search_end == SearchEnd::Deadline ? FixReason::Deadline : FixReason::NoOverlap;
-  if (frozen_ == Frozen::No && !is_surveyed_ && !weighed_.empty() && close_loop(weighed_[0].candidate.map)) {
-    search(deadline, fix);
-  }
+  look_for_layers(deadline, fix);
   found_home();
   if (home_ != kNoMap) {
     verdict = decide_in(home_, stake_of(home_), fix.search_end);
@@ -287,7 +302,7 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
 /// grew scan by scan up to this one may be a copy of home, which a single scan of it may look like: where
 /// such a map explains the scan better, it is not home.
 double Atlas::home_share(MapSlot local) const noexcept {
-  const bool goes_on = maps_[local].is_doubtful && maps_[local].scans >= kGrownScans &&
+  const bool goes_on = is_in_doubt(maps_[local]) && maps_[local].scans >= kGrownScans &&
                        maps_[local].last_scan + 1 + blind_scans_ >= scan_.number &&
                        maps_[home_].last_scan + 1 + blind_scans_ < scan_.number;
   return goes_on ? 1.0 : kHomeShare;
@@ -334,7 +349,7 @@ bool Atlas::is_sure_in(MapSlot map, SearchEnd end) noexcept {
 void Atlas::found_home() noexcept {
   const std::optional<std::size_t> best = home_ == kNoMap ? best_local() : std::nullopt;
   if (best && weighed_[*best].candidate.matches.size() >= kHomeConfirmed &&
-      !maps_[weighed_[*best].candidate.map].is_doubtful &&
+      !is_in_doubt(maps_[weighed_[*best].candidate.map]) &&
       weighed_[*best].evidence.ln_bayes > std::log(kFoundingOdds / config_.acceptance.risk) &&
       is_sure_in(weighed_[*best].candidate.map, found_[0].end)) {
     home_ = weighed_[*best].candidate.map;
@@ -524,10 +539,16 @@ std::uint32_t Atlas::least_useful_in_turn() noexcept {
   return worst;
 }
 
+/// Whether `map` may be two places in one. Such a map is neither tied nor a home map, until hundreds of
+/// landmarks have shown that no place of this world looks like another.
+bool Atlas::is_in_doubt(const MapEntry& map) const noexcept {
+  return map.is_doubtful && rates_.structure_decades > kNoCopiesStructure;
+}
+
 /// Whether `map` has been seen often enough to take the place of a home map that gives way, or that there is
 /// not yet.
 bool Atlas::deserves_home(const MapEntry& map) const noexcept {
-  if (map.is_doubtful) {
+  if (is_in_doubt(map)) {
     return false;
   }
   if (home_ == kNoMap) {

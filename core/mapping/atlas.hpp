@@ -51,7 +51,7 @@ struct MapEntry {
   PlaceHypothesis tie;  ///< where its confirmed landmarks as a whole were believed last, W times in a row
   FixedVector<PlaceHypothesis, kPlacesMax> places;  ///< the best W first
   /// It may be two places in one: a scan that showed again what the scan before showed in it would have been
-  /// ambiguous. Such a map is neither tied nor a home map.
+  /// ambiguous.
   bool is_doubtful = false;
 };
 
@@ -115,10 +115,13 @@ class Atlas {
 
   void take_landmarks(std::span<const ScanLandmark> landmarks) noexcept;
   [[nodiscard]] MatchModel scan_model() const noexcept;
-  void search(const Deadline& deadline, Fix& fix) noexcept;
+  /// Whether a clear leader ends the search.
+  enum class Rivals : std::uint8_t { WhereLikely, All };
+  void search(const Deadline& deadline, Rivals rivals, Fix& fix) noexcept;
   void find(std::span<const Point2> points, MapSlot except, const MatchModel& model,
             const Deadline& deadline) noexcept;
   void weigh(const Witnesses& witnesses, const Candidates& found, BoundedVector<Weighed>& weighed) noexcept;
+  void look_for_layers(const Deadline& deadline, Fix& fix) noexcept;
   void localise(const Deadline& deadline, Fix& fix) noexcept;
   [[nodiscard]] std::optional<std::size_t> best_local() const noexcept;
   [[nodiscard]] double home_share(MapSlot local) const noexcept;
@@ -148,6 +151,7 @@ class Atlas {
   void count_out(std::uint32_t slot) noexcept;
   void make_room(std::uint32_t wanted) noexcept;
   [[nodiscard]] std::uint32_t least_useful_in_turn() noexcept;
+  [[nodiscard]] bool is_in_doubt(const MapEntry& map) const noexcept;
   [[nodiscard]] bool deserves_home(const MapEntry& map) const noexcept;
   void choose_home() noexcept;
   void try_tie(MapSlot map, const Deadline& deadline) noexcept;
@@ -158,6 +162,7 @@ class Atlas {
   [[nodiscard]] MatchList twins_of(MapSlot map, const Weighed& weighed) const noexcept;
   void tie(MapSlot map, const Weighed& weighed) noexcept;
   [[nodiscard]] bool close_loop(MapSlot map) noexcept;
+  [[nodiscard]] bool is_linking() const noexcept { return linking_scans_ > 0; }
   [[nodiscard]] bool is_layer(const Weighed& answer, const Weighed& other) noexcept;
   void link_layers(const Candidate& answer, const Candidate& other) noexcept;
   void count_as_one(MapEntry& entry, std::uint32_t a, std::uint32_t b) const noexcept;
@@ -200,6 +205,7 @@ class Atlas {
   std::uint32_t blind_scans_ = 0;  // in a row, of too few landmarks, before this one
   std::uint32_t closed_scan_ = 0;  // that closed a loop last
   std::uint32_t steps_due_ = 0;
+  std::uint32_t linking_scans_ = 0;  // for which layers that were linked are still coming together
   std::uint32_t scans_since_step_ = 0;
   std::uint32_t twin_turn_ = 0;
   std::uint32_t room_turn_ = 0;

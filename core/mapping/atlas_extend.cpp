@@ -94,8 +94,10 @@ void Atlas::refine_with(const Weighed& w, std::uint32_t xi) noexcept {
   pose.chain = entry.number;
   pose.group =
       entry.last_place == SightingGraph::kNone ? std::uint16_t{0} : graph_.pose(entry.last_place).group;
+  // Two layers that were linked lie far apart as yet: what links them counts until they have come together.
   graph_.set_robust_scale(
-      std::max(config_.association.tolerance_m, 3.0 * rates_.sigma_m(scale_.start_sigma_m())));
+      is_linking() ? kLayerApart_m
+                   : std::max(config_.association.tolerance_m, 3.0 * rates_.sigma_m(scale_.start_sigma_m())));
   entry.last_place = graph_.add_pose(pose, seen_.span());
   graph_.refit(entry.last_place);
   graph_.refit_around(entry.last_place, kRefitAround);
@@ -121,7 +123,7 @@ void Atlas::step_map(const Weighed& w, MapSlot map) noexcept {
   // How far centres lie behind what readings show is learned as soon as possible: until then every scan errs.
   const bool is_offset_open =
       graph_.expected_offset_m() > 0.0 && !graph_.is_offset_found() && maps_[map].scans <= kOffsetOpenScans;
-  if (steps_due_ > 0 || is_offset_open || scans_since_step_ >= std::max(kStepScans, share)) {
+  if (steps_due_ > 0 || is_offset_open || is_linking() || scans_since_step_ >= std::max(kStepScans, share)) {
     steps_due_ -= steps_due_ > 0 ? 1 : 0;
     scans_since_step_ = 0;
     graph_.refine(map, rates_.sigma_m(scale_.start_sigma_m()));

@@ -40,8 +40,10 @@ inline constexpr double kScansTieDecades = 15.0;  // in all, of scans that agree
 inline constexpr double kPlaceGroups = 3.0;       // decades of groups, and ...
 inline constexpr double kPlaceContradiction = 2.0;  // ... decades against, of a scan that counts for a place
 inline constexpr double kFirstTurn_rad =
-    0.25 * kDegree;                            // 1 sigma: the first fix in a home map is what users align by
-inline constexpr double kTieStructure = 7.0;   // a world that repeats itself less than this is tied at once
+    0.25 * kDegree;                           // 1 sigma: the first fix in a home map is what users align by
+inline constexpr double kTieStructure = 7.0;  // a world that repeats itself less than this is tied at once
+inline constexpr double kNoCopiesStructure =
+    3.0;  // of a world some four hundred landmarks of which showed no copy: a map is not doubted there
 inline constexpr double kNewsPerSample = 5.0;  // landmarks: about as many as stand within the size of a copy
 inline constexpr double kThoroughStructure =
     7.5;  // a world that repeats itself more is searched for all rivals
@@ -92,6 +94,8 @@ inline constexpr std::uint32_t kTwinsInTurn =
     128;  // landmarks that are held against their neighbours, a scan
 inline constexpr std::uint32_t kRoomStretch =
     256;  // landmarks among which the least useful makes room, in turn
+inline constexpr std::uint32_t kLinkingScans =
+    20;  // for which what links two layers of a map counts, however far apart they are
 inline constexpr std::uint32_t kStepsAfterLoop = 4;  // of the refinement, one a scan
 inline constexpr std::uint32_t kStepScans = 3;       // a step of the refinement after so many scans ...
 inline constexpr std::uint64_t kSightingsPerScan =

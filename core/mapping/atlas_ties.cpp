@@ -60,7 +60,7 @@ bool Atlas::is_same_place(const Candidate& a, const Candidate& b) const noexcept
 /// Holds the confirmed landmarks of a local map, as a whole, against all other maps.
 void Atlas::try_tie(MapSlot map, const Deadline& deadline) noexcept {
   const MapEntry& entry = maps_[map];
-  if (map == home_ || entry.is_doubtful || tie_by_one_scan(map) || tie_by_scans(map) ||
+  if (map == home_ || is_in_doubt(entry) || tie_by_one_scan(map) || tie_by_scans(map) ||
       entry.confirmed < kTieLandmarksMin) {
     return;
   }
@@ -135,7 +135,7 @@ bool Atlas::tie_by_one_scan(MapSlot map) noexcept {
   }
   const Pose2& T_map_B = weighed_[best_in(weighed_.span(), map)].candidate.pose_W;
   for (MapSlot other = 0; other < kMapsMax; ++other) {
-    if (other == map || maps_[other].number == 0 || maps_[other].is_doubtful) {
+    if (other == map || maps_[other].number == 0 || is_in_doubt(maps_[other])) {
       continue;
     }
     const Verdict verdict = decide_in(other, Stake::Tie, found_[0].end);
@@ -351,6 +351,7 @@ void Atlas::link_layers(const Candidate& answer, const Candidate& other) noexcep
   pose.chain = maps_[answer.map].number;
   static_cast<void>(graph_.add_pose(pose, seen_.span(), SightingGraph::Weights::Full));
   graph_.sum_anew();
+  linking_scans_ = kLinkingScans;
   for (std::uint32_t i = 0; i < kStepsAfterLoop; ++i) {
     graph_.refine(answer.map, rates_.sigma_m(scale_.start_sigma_m()));
   }
