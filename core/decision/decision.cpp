@@ -73,7 +73,7 @@ bool rivals(const Weighed& other, const Weighed& answer, Stake stake, double str
     // the scan by kLesserMap decades less; nor when an earlier scan said that both places are one, as long as
     // nothing has been seen twice.
     const double lesser = stake == Stake::Fix ? kLesserMap : 0.0;
-    const bool counts = (stake == Stake::Fix || stake == Stake::Again) &&
+    const bool counts = stake != Stake::Survey && stake != Stake::Local &&
                         decades_of(other.evidence.ln_bayes - answer.evidence.ln_bayes) > -lesser;
     const bool is_shown = other.is_same_place && structure_decades <= Rates::kStartStructure;
     return counts && !is_shown && structure_decades >= kUnlikeStructure &&

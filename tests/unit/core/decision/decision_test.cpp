@@ -173,6 +173,18 @@ TEST(Decide, AMapThatExplainsFarLessIsNoRival) {
   EXPECT_EQ(judge({good(0.0, 38.0), other}).status, FixStatus::Ambiguous);
 }
 
+// Posts about a roundabout: a local map was tied to home, turned by 180 degrees, though another local map
+// explained it better.
+TEST(Decide, AMapThatExplainsItBetterForbidsATieWhereTheWorldRepeatsItself) {
+  Weighed other = good(0.0, 45.0);
+  other.candidate.map = kOther;
+  EXPECT_EQ(judge({good(0.0, 40.0), other}, Stake::Tie, 20.0).status, FixStatus::Ambiguous);
+  EXPECT_EQ(judge({good(0.0, 40.0), other}, Stake::Follow, 20.0).status, FixStatus::Ambiguous);
+  EXPECT_EQ(judge({good(0.0, 46.0), other}, Stake::Tie, 20.0).status, FixStatus::Fix);
+  EXPECT_EQ(judge({good(0.0, 40.0), other}, Stake::Tie, 3.0).status, FixStatus::Fix)
+      << "a world without copies";
+}
+
 // A scan of a plantation was a fix 79 m from where it was: 13.0 decades, where wrong places of that map had
 // reached 13.3.
 TEST(Decide, WhereTheWorldRepeatsItselfAFixExplainsMoreThanWrongPlacesDo) {
