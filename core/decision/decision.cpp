@@ -69,9 +69,9 @@ double copies_wanted(Stake stake) noexcept {
 bool rivals(const Weighed& other, const Weighed& answer, Stake stake, double structure_decades,
             const AcceptanceConfig& config) noexcept {
   if (other.candidate.map != answer.candidate.map) {
-    // In a world that may repeat itself, a place in another map is a rival. It is none when that map explains
-    // the scan by kLesserMap decades less; nor when an earlier scan said that both places are one, as long as
-    // nothing has been seen twice.
+    // In a world that may repeat itself, a place in another map is a rival of a fix, and one that explains
+    // more is a rival of a tie. It is none of a fix when that map explains the scan by kLesserMap decades
+    // less; nor when an earlier scan said that both places are one, as long as nothing has been seen twice.
     const double lesser = stake == Stake::Fix ? kLesserMap : 0.0;
     const bool counts = stake != Stake::Survey && stake != Stake::Local &&
                         decades_of(other.evidence.ln_bayes - answer.evidence.ln_bayes) > -lesser;

@@ -12,7 +12,7 @@ namespace slamsensor::core {
 namespace {
 
 constexpr std::uint32_t kIterations = 4;  // of the conjugate gradients: the next scan's step goes on
-constexpr double kDamping = 1e-6;
+constexpr double kDamping = 1e-6;         // of a pose's own block, in sightings
 
 /// How the place of what stands `arm` from a pose follows (x, y, heading).
 Point2 moved_by(const Eigen::Vector3d& step, const Point2& arm) noexcept {
@@ -45,8 +45,8 @@ void SightingGraph::visit_strong(MapSlot map, Visit&& visit) noexcept {
   });
 }
 
-/// Takes the steps of all poses of the map; the offset, which takes none, is returned as such.
-double SightingGraph::step_by_gradients(MapSlot map, std::uint32_t groups) noexcept {
+/// Takes the steps of all poses of the map.
+void SightingGraph::step_by_gradients(MapSlot map, std::uint32_t groups) noexcept {
   find_weak(map);
   linearise(map);
   double slope = precondition(map, groups);
@@ -67,48 +67,16 @@ double SightingGraph::step_by_gradients(MapSlot map, std::uint32_t groups) noexc
     slope = next;
   }
   carry_weak(map);
-  return 0.0;
 }
 
-/// A pose whose sightings hardly anything else shows would turn freely: it takes no part.
-void SightingGraph::find_weak(MapSlot map) noexcept {
-  visit_poses([&](std::uint32_t at, const GraphPose& pose) {
-    std::uint32_t held = 0;
-    for (std::uint32_t i = 0; pose.map == map && i < pose.count; ++i) {
-      const GraphSighting& s = sightings_[(pose.first + i) % sightings_.capacity()];
-      if (s.landmark != kNone) {
-        const double rest = strong_weight_of(s, pose);
-        const auto weight = static_cast<double>(s.weight);
-        held += rest > 0.0 && weight * rest / (rest + weight) > kHolds ? 1 : 0;
-      }
-    }
-    if (pose.map == map) {
-      poses_[at].is_weak = pose.is_anchor == 0 && held < kHeldMin ? 1 : 0;
-    }
-  });
-}
-
-/// What strong poses other than `pose` say of the landmark of `s`.
-double SightingGraph::strong_weight_of(const GraphSighting& s, const GraphPose& pose) const noexcept {
-  const GraphLandmark& l = landmarks_[s.landmark];
-  double weight = static_cast<double>(l.prior_weight);
-  for (std::uint32_t other = l.sightings; other != kNone; other = sightings_[other].next) {
-    const GraphPose& by = poses_[sightings_[other].pose];
-    weight += by.is_weak == 0 && &by != &pose ? static_cast<double>(sightings_[other].weight) : 0.0;
-  }
-  return weight;
-}
-
-/// The slope of the sum of squares, the landmarks where the strong poses say, and each pose's own block of
-/// the equations, inverted.
-void SightingGraph::linearise(MapSlot map) noexcept {
+/// Where the strong poses of the map say that landmarks stand, and with what weight.
+void SightingGraph::sum_strong(MapSlot map) noexcept {
   for (std::uint32_t slot = 0; slot < landmarks_.size(); ++slot) {
     const GraphLandmark& l = landmarks_[slot];
     const auto weight = static_cast<double>(l.prior_weight);
     means_[slot] = {weight * Point2(static_cast<double>(l.prior_x_m), static_cast<double>(l.prior_y_m)),
                     weight, Point2::Zero()};
   }
-  visit_poses([&](std::uint32_t at, const GraphPose&) { unknowns_[at] = PoseUnknown{}; });
   visit_poses([&](std::uint32_t, const GraphPose& pose) {
     if (pose.map == map && pose.is_weak == 0) {
       const Carrier carry(*this, pose.T_W_B);
@@ -124,6 +92,34 @@ void SightingGraph::linearise(MapSlot map) noexcept {
   for (std::uint32_t slot = 0; slot < landmarks_.size(); ++slot) {
     means_[slot].place /= std::max(1e-9, means_[slot].weight);
   }
+}
+
+/// A pose whose sightings hardly anything else shows would turn freely: it takes no part. What the poses that
+/// were strong in the last step say decides; takes time in proportion to the sightings.
+void SightingGraph::find_weak(MapSlot map) noexcept {
+  sum_strong(map);
+  visit_poses([&](std::uint32_t at, const GraphPose& pose) {
+    if (pose.map != map) {
+      return;
+    }
+    std::uint32_t held = 0;
+    for (std::uint32_t i = 0; i < pose.count; ++i) {
+      const GraphSighting& s = sightings_[(pose.first + i) % sightings_.capacity()];
+      if (s.landmark != kNone) {
+        const auto weight = static_cast<double>(s.weight);
+        const double rest = means_[s.landmark].weight - (pose.is_weak == 0 ? weight : 0.0);
+        held += rest > 0.0 && weight * rest / (rest + weight) > kHolds ? 1 : 0;
+      }
+    }
+    poses_[at].is_weak = pose.is_anchor == 0 && held < kHeldMin ? 1 : 0;
+  });
+}
+
+/// The slope of the sum of squares, the landmarks where the strong poses say, and each pose's own block of
+/// the equations, inverted.
+void SightingGraph::linearise(MapSlot map) noexcept {
+  sum_strong(map);
+  visit_poses([&](std::uint32_t at, const GraphPose&) { unknowns_[at] = PoseUnknown{}; });
   visit_poses([&](std::uint32_t at, const GraphPose& pose) {
     if (pose.map != map || pose.is_anchor != 0 || pose.is_weak != 0) {
       return;

@@ -44,10 +44,13 @@ void SightingGraph::refine(MapSlot map, double sigma_m) noexcept {
   if (!factorise(unknowns)) {
     return;
   }
-  const double offset_step_m =
-      std::all_of(members_.begin(), members_.begin() + groups, [](double members) { return members == 1.0; })
-          ? step_each(map, groups, sigma_m)
-          : step_by_gradients(map, groups);
+  double offset_step_m = 0.0;
+  if (std::all_of(members_.begin(), members_.begin() + groups,
+                  [](double members) { return members == 1.0; })) {
+    offset_step_m = step_each(map, groups, sigma_m);
+  } else {
+    step_by_gradients(map, groups);
+  }
   find_drift(map, groups);
   const double offset_m = offset_m_;
   const double before = squares(map);

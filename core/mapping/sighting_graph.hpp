@@ -286,11 +286,11 @@ class SightingGraph {
   [[nodiscard]] bool factorise(std::uint32_t unknowns) noexcept;
   void solve(std::span<double> x) const noexcept;
   [[nodiscard]] double step_each(MapSlot map, std::uint32_t groups, double sigma_m) noexcept;
-  [[nodiscard]] double step_by_gradients(MapSlot map, std::uint32_t groups) noexcept;
+  void step_by_gradients(MapSlot map, std::uint32_t groups) noexcept;
   template <typename Visit>
   void visit_strong(MapSlot map, Visit&& visit) noexcept;
+  void sum_strong(MapSlot map) noexcept;
   void find_weak(MapSlot map) noexcept;
-  [[nodiscard]] double strong_weight_of(const GraphSighting& s, const GraphPose& pose) const noexcept;
   void linearise(MapSlot map) noexcept;
   [[nodiscard]] double apply_system(MapSlot map) noexcept;
   [[nodiscard]] double precondition(MapSlot map, std::uint32_t groups) noexcept;
