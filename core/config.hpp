@@ -23,16 +23,20 @@ struct DetectionConfig {
   double tilt_min_rad = -90.0 * kDegree;      ///< scanlines below are left out
   double tilt_max_rad = 90.0 * kDegree;       ///< scanlines above are left out
   double discard_share = 0.02;      ///< readings dropped at each end of a scanline; 0 for a full turn
-  std::uint32_t landmarks_max = 0;  ///< m_k, the heaviest that are kept; 0: see below
+  std::uint32_t landmarks_max = 0;  ///< m_k, the heaviest that are kept; 0: kDetected or kListed
   LandmarkPoint point = LandmarkPoint::ReadingMean;
 
+  static constexpr std::uint32_t kDetected = 30;
+  static constexpr std::uint32_t kListed = 60;
   /// How many of the readings' landmarks are kept at most. Lighter ones repeat badly in streets.
   [[nodiscard]] std::uint32_t detected_most() const noexcept {
-    return landmarks_max > 0 ? landmarks_max : 30;
+    return landmarks_max > 0 ? landmarks_max : kDetected;
   }
   /// How many of a list are. Who made the list has chosen them, and where landmarks stand close together, few
   /// of them are few witnesses.
-  [[nodiscard]] std::uint32_t listed_most() const noexcept { return landmarks_max > 0 ? landmarks_max : 60; }
+  [[nodiscard]] std::uint32_t listed_most() const noexcept {
+    return landmarks_max > 0 ? landmarks_max : kListed;
+  }
 };
 
 /// How a pose is fitted to its matches.

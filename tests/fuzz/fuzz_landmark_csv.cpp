@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const auto order : {LandmarkOrder::Weight, LandmarkOrder::Diameter, LandmarkOrder::Nearest}) {
     const auto landmarks =
         slamsensor::tools::select_landmarks(list->rows, {order, 0.0, 0.0}, detection).landmarks;
-    if (landmarks.size() > detection.landmarks_max) {
+    if (landmarks.size() > detection.listed_most()) {
       __builtin_trap();
     }
     for (std::size_t i = 0; i < landmarks.size(); ++i) {
