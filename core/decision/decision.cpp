@@ -22,6 +22,7 @@ constexpr double kLocalRisk = 1e-4;          // of a scan in a local map
 constexpr double kTieRiskShare = 1e-3;       // of the risk of a fix: a tie binds many scans
 constexpr double kLocalContradiction = 4.0;  // decades against a scan in a local map
 constexpr double kAgainDecades = 1.0;        // two groups, and no more against them than usual
+constexpr double kUnknownDecades = 1.0;      // that groups of small copies are worth less in an unknown world
 constexpr double kUnlikeDecades = 2.0;       // three groups
 constexpr double kUnlikeContradiction = 5.0;
 constexpr double kUnlikeStructure = 7.0;  // of a world that hardly repeats itself
@@ -87,9 +88,20 @@ bool rivals(const Weighed& other, const Weighed& answer, Stake stake, double str
 bool stands_alone(const Evidence& evidence, Stake stake, double structure_decades) noexcept {
   const bool is_tie = stake == Stake::Tie || stake == Stake::Follow;
   const double margin = decades_of(evidence.ln_bayes) - structure_decades;
-  return evidence.group_decades >= (is_tie && margin < kUnlikeFarMargin ? kTieDecades : kUnlikeDecades) &&
+  const double groups = stake == Stake::Tie ? evidence.group_decades : evidence.small_group_decades;
+  return groups >= (is_tie && margin < kUnlikeFarMargin ? kTieDecades : kUnlikeDecades) &&
          evidence.contradiction_decades() <= kUnlikeContradiction && structure_decades <= kUnlikeStructure &&
          margin >= (is_tie ? kUnlikeTieMargin : kUnlikeMargin);
+}
+
+/// The decades of groups that count. What goes on where it was just seen may take copies for as small as a
+/// short reach shows; in an unknown world, where one may fill the view, for a decade.
+double groups_of(const Evidence& evidence, Stake stake, double structure_decades) noexcept {
+  if (stake != Stake::Again && stake != Stake::Follow) {
+    return evidence.group_decades;
+  }
+  const double unknown = structure_decades < kUnlikeStructure ? 0.0 : kUnknownDecades;
+  return std::max(evidence.group_decades, evidence.small_group_decades - unknown);
 }
 
 /// Whether wrong places of a world that repeats itself explain about as much.
@@ -161,7 +173,8 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   const double risk = std::log10(risk_of(stake, config));
   const double odds = std::log10(others) - decades;
   const double contradictions = best.evidence.contradiction_decades();
-  const double copies = best.evidence.group_decades - std::max(0.0, contradictions - kUsualContradiction);
+  const double copies = groups_of(best.evidence, stake, structure_decades) -
+                        std::max(0.0, contradictions - kUsualContradiction);
   const bool is_tie = stake == Stake::Tie || stake == Stake::Follow;
   verdict.log10_expected_wrong = std::min(0.0, odds);
   if (chance > risk) {

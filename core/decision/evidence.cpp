@@ -29,6 +29,7 @@ constexpr std::size_t kAboutBins = 2;  // bearing bins on either side of a landm
 // complete survey copies are all known, and what is left is chance: this share of the mean spacing.
 constexpr double kCopy_m = 15.0;
 constexpr double kCopyShare = 0.8;
+constexpr double kCopyReach = 0.75;  // of a sensor of short reach: the size of a copy as a share of it
 constexpr double kGroupCap = std::numbers::ln10;  // a group is worth one decade at most
 constexpr double kShownPrior = 20.0;  // pseudo-observations of the share of a survey that a scan shows
 constexpr double kConfirmedClutter =
@@ -176,6 +177,11 @@ Evidence EvidenceScale::weigh(const Witnesses& witnesses, const Maps& maps, Cand
     copy_m = witnesses.is_surveyed ? kCopyShare * std::sqrt(1.0 / scene.density_per_m2) : kCopy_m;
   }
   evidence.group_decades = group_decades(scene, candidate, copy_m);
+  const bool is_short = acceptance_.copy_size_m <= 0.0 && witnesses.sensor_reach_m > 0.0 &&
+                        kCopyReach * witnesses.sensor_reach_m < copy_m;
+  evidence.small_group_decades = is_short
+                                     ? group_decades(scene, candidate, kCopyReach * witnesses.sensor_reach_m)
+                                     : evidence.group_decades;
   return evidence;
 }
 

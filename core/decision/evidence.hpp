@@ -30,8 +30,9 @@ struct Witnesses {
   Pose2 T_L_B;                       ///< of a scan: from B to the sensor's frame, in which the view is
   MapSlot own_map = 0;               ///< of a local map: the map whose explored ground is the view
   Pose2 T_own_B;                     ///< of a local map: from B to its frame
-  bool is_surveyed = false;  ///< the maps are complete: what looks like a place is that place or chance
-  double sigma_share = 1.0;  ///< spread of a witness, as a share of a scan's: a mean of sightings has less
+  bool is_surveyed = false;     ///< the maps are complete: what looks like a place is that place or chance
+  double sensor_reach_m = 0.0;  ///< as far as the sensor has shown landmarks; 0: not known
+  double sigma_share = 1.0;     ///< spread of a witness, as a share of a scan's: a mean of sightings has less
 };
 
 /// The maps that witnesses are held against.
@@ -49,13 +50,14 @@ struct Evidence {
       -std::numeric_limits<double>::infinity();  ///< against an unmapped place, all poses alike before
   double group_decades =
       0.0;  ///< independent groups of matches, each at most one decade, the largest not counted
-  double log10_unmatched = 0.0;  ///< chance of so many landmarks without a counterpart on explored ground
-  double log10_missing = 0.0;    ///< chance of so many landmarks of the map not shown where they should be
-  std::uint32_t unmatched = 0;   ///< landmarks without a counterpart on explored ground
-  std::uint32_t explored = 0;    ///< landmarks on explored ground
-  std::uint32_t missing = 0;     ///< landmarks of the map in view that are not shown
-  std::uint32_t in_view = 0;     ///< landmarks of the map in view
-  double sigma_m = 0.0;          ///< spread of the matches about the map, per axis, scan alone
+  double small_group_decades = 0.0;  ///< the same where copies are a share of the sensor's reach at most
+  double log10_unmatched = 0.0;      ///< chance of so many landmarks without a counterpart on explored ground
+  double log10_missing = 0.0;   ///< chance of so many landmarks of the map not shown where they should be
+  std::uint32_t unmatched = 0;  ///< landmarks without a counterpart on explored ground
+  std::uint32_t explored = 0;   ///< landmarks on explored ground
+  std::uint32_t missing = 0;    ///< landmarks of the map in view that are not shown
+  std::uint32_t in_view = 0;    ///< landmarks of the map in view
+  double sigma_m = 0.0;         ///< spread of the matches about the map, per axis, scan alone
   Eigen::Matrix3d covariance =
       Eigen::Matrix3d::Identity();  ///< of (x m, y m, heading rad) beside the landmarks
 

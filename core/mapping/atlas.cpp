@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 namespace slamsensor::core {
@@ -37,6 +38,7 @@ Atlas::Atlas(Arena& arena, const Config& config) noexcept
 void Atlas::reset() noexcept {
   graph_.clear();
   ground_.clear();
+  sensor_reach_m_ = 0.0;
   rates_ = Rates{};
   learned_in_ = kNoMap;
   maps_ = {};
@@ -56,6 +58,7 @@ void Atlas::take_landmarks(std::span<const ScanLandmark> landmarks) noexcept {
   points_L_.clear();
   points_B_.clear();
   scan_.reach_m = 0.0;
+  double second_m = 0.0;
   for (const ScanLandmark& landmark : landmarks) {
     if (!on_lattice(landmark.position_L)) {
       ++counters_.landmarks_refused;
@@ -63,9 +66,12 @@ void Atlas::take_landmarks(std::span<const ScanLandmark> landmarks) noexcept {
       ++counters_.landmarks_cut;
     } else {
       SLAMSENSOR_ASSERT(points_B_.try_push_back(graph_.body_point(landmark.position_L)));
-      scan_.reach_m = std::max(scan_.reach_m, landmark.position_L.norm());
+      const double range_m = landmark.position_L.norm();
+      second_m = std::max(second_m, std::min(range_m, scan_.reach_m));
+      scan_.reach_m = std::max(scan_.reach_m, range_m);
     }
   }
+  sensor_reach_m_ = std::max(sensor_reach_m_, second_m);
 }
 
 Witnesses Atlas::scan_witnesses() const noexcept {
@@ -74,6 +80,7 @@ Witnesses Atlas::scan_witnesses() const noexcept {
   witnesses.view = scan_.view;
   witnesses.T_L_B = T_L_B_;
   witnesses.is_surveyed = is_surveyed_;
+  witnesses.sensor_reach_m = sensor_reach_m_;
   return witnesses;
 }
 
@@ -539,10 +546,13 @@ std::uint32_t Atlas::least_useful_in_turn() noexcept {
   return worst;
 }
 
-/// Whether `map` may be two places in one. Such a map is neither tied nor a home map, until hundreds of
-/// landmarks have shown that no place of this world looks like another.
+/// Whether `map` may be two places in one. Such a map is neither tied nor a home map, until many landmarks
+/// have shown that no place of this world looks like another.
 bool Atlas::is_in_doubt(const MapEntry& map) const noexcept {
-  return map.is_doubtful && rates_.structure_decades > kNoCopiesStructure;
+  const std::uint32_t confirmed =
+      std::accumulate(maps_.begin(), maps_.end(), 0U,
+                      [](std::uint32_t sum, const MapEntry& entry) { return sum + entry.confirmed; });
+  return map.is_doubtful && (rates_.structure_decades >= kTieStructure || confirmed < kNoCopiesLandmarks);
 }
 
 /// Whether `map` has been seen often enough to take the place of a home map that gives way, or that there is

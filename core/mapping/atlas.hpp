@@ -200,6 +200,7 @@ class Atlas {
   BoundedVector<Weighed> weighed_;
   BoundedVector<Weighed> weighed_ties_;
   Scan scan_;
+  double sensor_reach_m_ = 0.0;  // the second farthest landmark of any scan: one may be nothing
   std::array<bool, kScanLandmarksMax>
       was_unseen_{};               // per landmark of the scan: what it matches was not seen for long
   std::uint32_t blind_scans_ = 0;  // in a row, of too few landmarks, before this one

@@ -163,6 +163,18 @@ def stand(rng, seed):
     return drive_through(rng, sensor_of(seed), poses, geo.Grid(trees))
 
 
+def garden(rng, seed):
+    """A sensor of 10 to 15 m reach among trees and posts: a winding drive, then 40 kidnaps to places about it."""
+    range_m = rng.uniform(10.0, 15.0)
+    trees, half_m = geo.forest(rng, 1000, area_per_tree_m2=0.16 * range_m**2)
+    poses = geo.winding(rng, half_m - 0.7 * range_m, 160, 0.15 * range_m)
+    for _ in range(40):
+        x_m, y_m, _ = rng.choice(poses[:160])
+        poses.append(geo.shaken(rng, (x_m, y_m, rng.uniform(-math.pi, math.pi)), 1.0, 0.1))
+    return drive_through(rng, sensor_of(seed, range_m=range_m, dropped=0.2, spurious=1.0, sigma_m=0.05), poses,
+                         geo.Grid(trees))
+
+
 def plantation(rng, seed):
     """Rows of trees, 3 by 5 m: a winding drive, then 40 kidnaps."""
     half_m = 75.0
@@ -592,6 +604,7 @@ DRIVES = {
     "twin_bare": DriveKind(twin_bare, never_wrong=False),
     "road": DriveKind(road),
     "stand": DriveKind(stand),
+    "garden": DriveKind(garden, far=True),
     "plantation": DriveKind(plantation),
     "cold_start": DriveKind(cold_start),
     "portland": DriveKind(portland, far=True, needs_data=True),

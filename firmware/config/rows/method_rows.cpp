@@ -135,7 +135,7 @@ constexpr Setting kSettings[] = {
      choice<kCore, kAcceptance, &AcceptanceConfig::rule>(kRules)},
     {"acceptance.risk", "", "Expected wrong fixes per scan that are taken.",
      real<kCore, kAcceptance, &AcceptanceConfig::risk>(1e-12, 0.1)},
-    {"acceptance.copy_size_m", "m", "The largest thing that comes in copies; 0: 15 m, in a map that a drive makes. Small sites need less: see the README.",
+    {"acceptance.copy_size_m", "m", "The largest thing that comes in copies; 0: 15 m in a driven map, less for a short reach. Small sites need less: see the README.",
      real<kCore, kAcceptance, &AcceptanceConfig::copy_size_m>(0.0, 1000.0)},
 
     {"mapping.hypotheses_max", "", "Lambda_max: hypotheses kept, each with a map of its own.",

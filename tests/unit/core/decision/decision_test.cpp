@@ -22,11 +22,15 @@ Weighed good(double x_m = 0.0, double decades = 20.0) {
     EXPECT_TRUE(w.candidate.matches.try_push_back({i, i}));
   }
   w.evidence.ln_bayes = decades * std::numbers::ln10;
-  w.evidence.group_decades = 6.0;
+  w.evidence.group_decades = w.evidence.small_group_decades = 6.0;
   w.evidence.log10_unmatched = -0.3;
   w.evidence.log10_missing = -0.3;
   w.evidence.covariance = Eigen::Vector3d(0.01, 0.01, 1e-5).asDiagonal();
   return w;
+}
+
+void set_groups(Weighed& w, double decades) {
+  w.evidence.group_decades = w.evidence.small_group_decades = decades;
 }
 
 Verdict judge(const std::vector<Weighed>& weighed, Stake stake = Stake::Fix, double structure = kStructure) {
@@ -67,7 +71,7 @@ TEST(Decide, APoseThatIsNotPreciseIsNoFix) {
 // about it.
 TEST(Decide, OneGroupIsACopyThatWasNeverMapped) {
   Weighed copse = good(0.0, 60.0);
-  copse.evidence.group_decades = 0.0;
+  set_groups(copse, 0.0);
   for (const double structure : {2.0, kStructure, 20.0}) {
     const Verdict verdict = judge({copse}, Stake::Fix, structure);
     EXPECT_EQ(verdict.status, FixStatus::Ambiguous) << structure;
@@ -78,7 +82,7 @@ TEST(Decide, OneGroupIsACopyThatWasNeverMapped) {
 
 TEST(Decide, ContradictionsWeighAgainstGroups) {
   Weighed contradicted = good();
-  contradicted.evidence.group_decades = 4.0;
+  set_groups(contradicted, 4.0);
   EXPECT_EQ(judge({contradicted}).status, FixStatus::Fix);
   contradicted.evidence.log10_unmatched = -4.0;
   EXPECT_EQ(judge({contradicted}).reason, FixReason::Copy);
@@ -89,7 +93,7 @@ TEST(Decide, WhatIsSeenAgainHasRivalsAndTheConfiguredRiskAllTheSame) {
   EXPECT_EQ(judge({good(0.0, 30.0), good(10.0, 28.0)}, Stake::Again).reason, FixReason::Symmetric);
   EXPECT_EQ(judge({good(0.0, 5.0)}, Stake::Again).reason, FixReason::NoOverlap);
   Weighed two_groups = good();
-  two_groups.evidence.group_decades = 1.0;
+  set_groups(two_groups, 1.0);
   EXPECT_EQ(judge({two_groups}, Stake::Again).status, FixStatus::Fix);
   EXPECT_EQ(judge({two_groups}, Stake::Fix).reason, FixReason::Copy);
   two_groups.evidence.log10_unmatched = -1.0;  // the first scan at the second of two copses alike
@@ -98,10 +102,26 @@ TEST(Decide, WhatIsSeenAgainHasRivalsAndTheConfiguredRiskAllTheSame) {
 
 TEST(Decide, AMapThatBeganWhereAnotherWasLeftIsTiedByTwoGroups) {
   Weighed two_groups = good();
-  two_groups.evidence.group_decades = 2.0;
+  set_groups(two_groups, 2.0);
   EXPECT_EQ(judge({two_groups}, Stake::Follow).status, FixStatus::Fix);
   EXPECT_EQ(judge({two_groups}, Stake::Tie).reason, FixReason::Copy);
   EXPECT_NE(judge({good(0.0, 8.0)}, Stake::Follow).status, FixStatus::Fix) << "a tie binds many scans";
+}
+
+// What goes on where it was just seen may take copies for as small as a short reach shows, with one group
+// more while the world is not known. What was lost and comes back may not.
+TEST(Decide, AShortReachGoesOnWithSmallGroups) {
+  Weighed near = good();
+  set_groups(near, 0.0);
+  near.evidence.small_group_decades = 1.0;
+  EXPECT_EQ(judge({near}, Stake::Again).reason, FixReason::Copy);
+  EXPECT_EQ(judge({near}, Stake::Again, 6.9).status, FixStatus::Fix);
+  near.evidence.small_group_decades = 2.0;
+  EXPECT_EQ(judge({near}, Stake::Again).status, FixStatus::Fix);
+  EXPECT_EQ(judge({near}, Stake::Follow).status, FixStatus::Fix);
+  EXPECT_EQ(judge({near}, Stake::Fix).reason, FixReason::Copy);
+  EXPECT_EQ(judge({near}, Stake::Tie).reason, FixReason::Copy);
+  EXPECT_EQ(judge({near}, Stake::Fix, 6.9).status, FixStatus::Fix) << "13 decades beyond wrong places";
 }
 
 TEST(Rates, ManyScansOfOneCopseSayNoMoreOfTheWorldThanOne) {
@@ -197,7 +217,7 @@ TEST(Decide, WhereTheWorldRepeatsItselfAFixExplainsMoreThanWrongPlacesDo) {
 
 TEST(Decide, ALocalMapBindsNothingAndAsksForLess) {
   Weighed copse = good(0.0, 6.0);
-  copse.evidence.group_decades = 0.0;
+  set_groups(copse, 0.0);
   copse.evidence.covariance(1, 1) = 0.2;
   EXPECT_EQ(judge({copse}, Stake::Local).status, FixStatus::Fix);
   copse.evidence.log10_missing = -5.0;

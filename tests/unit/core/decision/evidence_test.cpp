@@ -50,6 +50,7 @@ class Mapped {
     witnesses.points_B = scan;
     witnesses.view = &view;
     witnesses.is_surveyed = is_surveyed;
+    witnesses.sensor_reach_m = sensor_reach_m;
     return scale_.weigh(witnesses, {*index, positions, standing, *ground, rates}, candidate);
   }
   Evidence weigh_at(const std::vector<Point2>& scan, const Pose2& pose) {
@@ -72,6 +73,7 @@ class Mapped {
   Rates rates;
   ScanView view;
   bool is_surveyed = false;
+  double sensor_reach_m = 0.0;
 
  private:
   Capacities capacities_;
@@ -242,6 +244,27 @@ TEST(Evidence, LandmarksWithinTheSizeOfACopyAreOneGroup) {
   Mapped many(forest);
   const auto wide = tests::scan_forest(forest, {}, {40, 0.0, 0, 0.05}, draw);
   EXPECT_GT(many.weigh_at(wide, {}).group_decades, 2.0);
+}
+
+// A mower's scanner sees 10 m far: whatever it is shown lies within the usual size of a copy.
+TEST(Evidence, ASensorOfShortReachHasSmallerGroups) {
+  Draw draw(27);
+  Forest garden = tests::make_forest(180, draw);
+  for (Point2& tree : garden.trees_W) {
+    tree *= 0.5;
+  }
+  garden.side_m *= 0.5;
+  Mapped mapped(garden);
+  const auto scan = tests::scan_forest(garden, {}, {18, 0.0, 0, 0.02}, draw);
+  const Evidence unknown = mapped.weigh_at(scan, {});
+  EXPECT_LE(unknown.group_decades, 1.0);
+  EXPECT_EQ(unknown.small_group_decades, unknown.group_decades);
+  mapped.sensor_reach_m = 10.0;
+  const Evidence small = mapped.weigh_at(scan, {});
+  EXPECT_EQ(small.group_decades, unknown.group_decades);
+  EXPECT_GE(small.small_group_decades, unknown.group_decades + 1.0);
+  mapped.sensor_reach_m = 20.0;  // from there on the usual size is the smaller
+  EXPECT_EQ(mapped.weigh_at(scan, {}).small_group_decades, unknown.group_decades);
 }
 
 }  // namespace
