@@ -88,6 +88,13 @@ BearingBins seen_bearings(const Rates& rates, const Witnesses& witnesses) noexce
   return bins;
 }
 
+/// Chance that a map which looked `looks` times at a landmark has confirmed it: that two looks showed it.
+double chance_of_two(double once, double looks) noexcept {
+  const double none = std::pow(1.0 - once, looks);
+  const double one = looks * once * none / (1.0 - once);
+  return std::clamp((1.0 - kConfirmedClutter) * (1.0 - none - one), 0.02, 0.97);
+}
+
 }  // namespace
 
 struct EvidenceScale::Scene {
@@ -336,9 +343,7 @@ void EvidenceScale::weigh_missing(const Scene& scene, const Candidate& candidate
         // A map that looked at the mean landmark with chance `looked` looked at this one as often.
         const double looks =
             std::log1p(-std::min(looked, 0.999)) / std::log1p(-scene.maps.rates.mean_detection());
-        const double shown = witnesses.view != nullptr
-                                 ? once
-                                 : (1.0 - kConfirmedClutter) * (1.0 - std::pow(1.0 - once, looks));
+        const double shown = witnesses.view != nullptr ? once : chance_of_two(once, looks);
         ++evidence.in_view;
         expected_missing += 1.0 - shown;
         const bool is_matched = std::any_of(candidate.matches.begin(), candidate.matches.end(),

@@ -53,6 +53,13 @@ class Mapped {
     witnesses.sensor_reach_m = sensor_reach_m;
     return scale_.weigh(witnesses, {*index, positions, standing, *ground, rates}, candidate);
   }
+  /// Of the confirmed landmarks of a local map that lies as this one does.
+  Evidence weigh_map(const std::vector<Point2>& confirmed, MapSlot own_map, Candidate& candidate) {
+    Witnesses witnesses;
+    witnesses.points_B = confirmed;
+    witnesses.own_map = own_map;
+    return scale_.weigh(witnesses, {*index, positions, standing, *ground, rates}, candidate);
+  }
   Evidence weigh_at(const std::vector<Point2>& scan, const Pose2& pose) {
     Candidate candidate;
     candidate.pose_W = pose;
@@ -244,6 +251,32 @@ TEST(Evidence, LandmarksWithinTheSizeOfACopyAreOneGroup) {
   Mapped many(forest);
   const auto wide = tests::scan_forest(forest, {}, {40, 0.0, 0, 0.05}, draw);
   EXPECT_GT(many.weigh_at(wide, {}).group_decades, 2.0);
+}
+
+// A local map of two scans has confirmed what both of them showed: half of what the other map knows is no
+// contradiction, a sixth of it is.
+TEST(Evidence, AYoungMapHasConfirmedWhatTwoLooksShowed) {
+  Draw draw(28);
+  const Forest forest = tests::make_forest(120, draw);
+  Mapped mapped(forest);
+  mapped.rates.clutter_count = 200.0;  // experience, so that a contradiction counts
+  constexpr MapSlot kYoung = 1;
+  for (double x = -0.5 * forest.side_m; x < 0.5 * forest.side_m; x += ExploredGround::kCell_m) {
+    for (double y = -0.5 * forest.side_m; y < 0.5 * forest.side_m; y += ExploredGround::kCell_m) {
+      mapped.ground->look(kYoung, {x, y}, 0.6);
+      mapped.ground->look(kYoung, {x, y}, 0.6);
+    }
+  }
+  const auto weigh_every = [&](std::size_t step) {
+    std::vector<Point2> confirmed;
+    for (std::size_t i = 0; i < forest.trees_W.size(); i += step) {
+      confirmed.push_back(forest.trees_W[i]);
+    }
+    Candidate candidate;
+    return mapped.weigh_map(confirmed, kYoung, candidate);
+  };
+  EXPECT_LT(weigh_every(2).contradiction_decades(), 1.0);
+  EXPECT_GT(weigh_every(6).contradiction_decades(), 2.0);
 }
 
 // A mower's scanner sees 10 m far: whatever it is shown lies within the usual size of a copy.
