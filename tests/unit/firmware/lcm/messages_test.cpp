@@ -263,8 +263,8 @@ TEST(LcmCounters, AreRefusedBeyondTheirBounds) {
 
 template <typename T>
 class LcmMessageLaws : public testing::Test {};
-using Messages =
-    testing::Types<PoseMessage, BotCorePose, ScanMessage, MapMessage, StatusMessage, CountersMessage>;
+using Messages = testing::Types<PoseMessage, BotCorePose, ScanMessage, RivalsMessage, MapMessage,
+                                StatusMessage, CountersMessage>;
 TYPED_TEST_SUITE(LcmMessageLaws, Messages);
 
 TYPED_TEST(LcmMessageLaws, NeedTheirLengthAndTheirFingerprint) {
