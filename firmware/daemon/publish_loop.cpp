@@ -154,7 +154,7 @@ void PublishLoop::take_statuses(hal::Stamp now) {
   status_.recording = recording_ != nullptr && recording_->is_recording();
 }
 
-/// A scan's fix goes to all outputs; LCM gets what was seen with it.
+/// A scan's fix goes to all outputs; LCM gets its rivals and what was seen with it.
 void PublishLoop::answer(const FixMessage& message, const OutputTime& now) {
   tracker_.on_fix(message.fix, message.made);
   told_.reset();  // each fix is sent, the same one too
@@ -162,6 +162,8 @@ void PublishLoop::answer(const FixMessage& message, const OutputTime& now) {
   answer_last_ = hal::monotonic_now() - message.scan_ended;
   answer_max_ = std::max(answer_max_, answer_last_);
   if (lcm_) {
+    lcm_->publish(
+        LcmRivalsView{identity_.initialization, message.fix.scan, message.fix.time, message.rivals});
     lcm_->publish(LcmScanView{identity_.initialization, message.fix.scan, message.fix.time, message.seen()});
   }
   if (inlets_.gpio != nullptr && status_.state == SensorState::Fixed) {

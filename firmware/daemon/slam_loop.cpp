@@ -21,6 +21,39 @@ hal::Stamp search_time(void* context) noexcept {
   return is_stopping(clock) ? hal::kNever : clock.monotonic(nullptr);
 }
 
+/// The other places that the search of an ambiguous scan found in the map of the answer, the likeliest first;
+/// none where the paper's rule is chosen, which keeps no places.
+RivalPlaces rivals_of(const core::Slam& slam, const core::Fix& fix,
+                      const core::AcceptanceConfig& config) noexcept {
+  RivalPlaces rivals;
+  const core::Atlas* const atlas = slam.atlas();
+  if (atlas == nullptr || fix.status != core::FixStatus::Ambiguous || fix.map != fix.home) {
+    return rivals;
+  }
+  core::FixedVector<const core::Weighed*, core::kCandidatesMax> order;
+  for (const core::Weighed& place : atlas->weighed()) {
+    const bool is_likelier_than_none = place.evidence.ln_bayes > 0.0 && place.candidate.matches.size() >= 3;
+    if (place.candidate.map == atlas->home_slot() && is_likelier_than_none) {
+      static_cast<void>(order.try_push_back(&place));
+    }
+  }
+  std::sort(order.begin(), order.end(), [](const core::Weighed* a, const core::Weighed* b) {
+    return a->evidence.ln_bayes > b->evidence.ln_bayes;
+  });
+  for (const core::Weighed* const place : order) {
+    const core::Pose2& pose_W = place->candidate.pose_W;
+    const auto is_elsewhere = [&](const RivalPlace& rival) {
+      return core::elsewhere(rival.pose_W, pose_W, config);
+    };
+    if (core::elsewhere(fix.pose_W, pose_W, config) &&
+        std::all_of(rivals.begin(), rivals.end(), is_elsewhere)) {
+      static_cast<void>(
+          rivals.try_push_back({pose_W, static_cast<std::uint32_t>(place->candidate.matches.size())}));
+    }
+  }
+  return rivals;
+}
+
 }  // namespace
 
 void MapOutlet::post(const core::Slam& slam) noexcept {
@@ -55,6 +88,7 @@ void MapOutlet::wait_for_newest() {
 
 SlamLoop::SlamLoop(const Config& config, ScanQueue& scans, SlamOrders& orders, SlamOutlets& outlets)
     : deadline_(hal::from_seconds(config.daemon.realtime.slam_deadline_s)),
+      acceptance_(config.core.acceptance),
       pipeline_(config.core),
       scans_(scans),
       orders_(orders),
@@ -132,6 +166,7 @@ void SlamLoop::answer(const core::Fix& fix, const ScanEnded& scan, hal::Stamp no
   message_.landmark_count =
       static_cast<std::uint32_t>(std::min<std::size_t>(landmarks.size(), message_.landmarks.size()));
   std::copy_n(landmarks.begin(), message_.landmark_count, message_.landmarks.begin());
+  message_.rivals = rivals_of(pipeline_.slam(), fix, acceptance_);
   message_.scan_ended = scan.known;
   ++status_.scans;
   status_.fixes += fix.status == core::FixStatus::Fix ? 1 : 0;
@@ -152,6 +187,7 @@ void SlamLoop::void_fix(const ScanAborted& scan, const SlamClock& clock) noexcep
     fix.scan = status_.scans;
     fix.time = {now + clock.utc_ahead, now + clock.utc_ahead, now + clock.utc_ahead, now};
     message_.landmark_count = 0;
+    message_.rivals.clear();
     message_.scan_ended = now;
     send(fix, now);
   }

@@ -87,6 +87,7 @@ struct FixMessage {
   hal::Stamp made{};
   std::uint32_t landmark_count = 0;
   std::array<core::ScanLandmark, core::kScanLandmarksMax> landmarks;  ///< seen in it, heaviest first
+  RivalPlaces rivals;  ///< of an ambiguous fix, the likeliest first; those beyond kRivalsMax are left out
 
   [[nodiscard]] std::span<const core::ScanLandmark> seen() const noexcept {
     return {landmarks.data(), landmark_count};
@@ -221,6 +222,7 @@ class SlamLoop {
   void post_status() noexcept;
 
   hal::Stamp deadline_;
+  core::AcceptanceConfig acceptance_;
   Pipeline pipeline_;
   ScanQueue& scans_;
   SlamOrders& orders_;

@@ -200,6 +200,25 @@ core::ScanTime scan_time_of(const ScanMessage& message) noexcept {
           std::chrono::nanoseconds(message.scan_end_monotonic_ns)};
 }
 
+std::size_t encode_rivals(const LcmRivalsView& view, std::span<std::uint8_t> out) noexcept {
+  if (view.rivals.empty()) {
+    return 0;
+  }
+  RivalsMessage message;
+  message.utime = view.time.middle_utc.count() / 1000;
+  message.initialization = static_cast<std::int64_t>(view.initialization);
+  message.scan = view.scan;
+  message.count = static_cast<std::int32_t>(view.rivals.size());
+  for (std::size_t i = 0; i < view.rivals.size(); ++i) {
+    const RivalPlace& rival = view.rivals[i];
+    message.x_m[i] = rival.pose_W.x_m;
+    message.y_m[i] = rival.pose_W.y_m;
+    message.heading_rad[i] = rival.pose_W.heading_rad;
+    message.matches[i] = clamped(rival.matches);
+  }
+  return encode_lcm(message, out);
+}
+
 bool is_sound(const MapMessage& message) noexcept {
   return is_sound_chunk<kMapChunkLandmarks>(message);
 }

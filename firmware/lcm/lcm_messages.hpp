@@ -175,6 +175,46 @@ struct LcmScanView {
 /// When the scan of a sound `message` was made.
 [[nodiscard]] core::ScanTime scan_time_of(const ScanMessage& message) noexcept;
 
+/// slamsensor.rivals_t (types/slamsensor_rivals_t.lcm): the rival places of one ambiguous scan.
+struct RivalsMessage {
+  std::int64_t utime = 0;
+  std::int64_t initialization = 0;
+  std::int64_t scan = 0;
+  std::int32_t count = 0;
+  std::array<double, kRivalsMax> x_m{};
+  std::array<double, kRivalsMax> y_m{};
+  std::array<double, kRivalsMax> heading_rad{};
+  std::array<std::int32_t, kRivalsMax> matches{};
+
+  static constexpr void members(auto& m, auto&& visit) {
+    visit("utime", m.utime);
+    visit("initialization", m.initialization);
+    visit("scan", m.scan);
+    visit("count", m.count);
+    visit("x_m", m.x_m);
+    visit("y_m", m.y_m);
+    visit("heading_rad", m.heading_rad);
+    visit("matches", m.matches);
+  }
+};
+
+/// Whether `count` is within its bounds.
+[[nodiscard]] constexpr bool is_sound(const RivalsMessage& message) noexcept {
+  return message.count >= 0 && message.count <= static_cast<std::int32_t>(kRivalsMax);
+}
+
+/// Rivals to be sent.
+struct LcmRivalsView {
+  std::uint64_t initialization = 0;  ///< FixReport::initialization
+  std::uint32_t scan = 0;            ///< Fix::scan
+  core::ScanTime time;
+  RivalPlaces rivals;
+};
+
+/// Writes slamsensor.rivals_t of `view` into `out` and returns its length; 0 when it has no rivals or it does
+/// not fit.
+[[nodiscard]] std::size_t encode_rivals(const LcmRivalsView& view, std::span<std::uint8_t> out) noexcept;
+
 /// Landmarks in one slamsensor.map_t.
 inline constexpr std::size_t kMapChunkLandmarks = 30;
 

@@ -3,7 +3,7 @@
 namespace slamsensor::firmware {
 namespace {
 
-constexpr std::array<std::string_view, 5> kNames = {"POSE", "STATUS", "COUNTERS", "MAP", "SCAN"};
+constexpr std::array<std::string_view, 6> kNames = {"POSE", "STATUS", "COUNTERS", "MAP", "SCAN", "RIVALS"};
 constexpr std::string_view kLongestName = kNames[2];
 
 bool is_printable(std::string_view text) noexcept {
@@ -41,6 +41,7 @@ LcmPublisher::LcmPublisher(const LcmConfig& config, LcmSink& sink) noexcept
       counters_(config.prefix, kNames[2]),
       map_(config.prefix, kNames[3]),
       scan_(config.prefix, kNames[4]),
+      rivals_(config.prefix, kNames[5]),
       bot_core_(config.bot_core_channel) {
 }
 
@@ -64,6 +65,12 @@ void LcmPublisher::publish(const SensorStatus& status, hal::Stamp utc) noexcept 
         send(counters_, bytes);
       }
     }
+  }
+}
+
+void LcmPublisher::publish(const LcmRivalsView& rivals) noexcept {
+  if (const std::size_t bytes = encode_rivals(rivals, buffer_); bytes != 0) {
+    send(rivals_, bytes);
   }
 }
 

@@ -17,6 +17,7 @@ namespace slamsensor::firmware {
 ///   PREFIXCOUNTERS  slamsensor.counters_t
 ///   PREFIXMAP       slamsensor.map_t, in chunks
 ///   PREFIXSCAN      slamsensor.scan_t, in chunks
+///   PREFIXRIVALS    slamsensor.rivals_t, of an ambiguous scan alone
 ///   bot_core_channel   bot_core.pose_t, of a fix alone; none when its name is empty
 class LcmPublisher {
  public:
@@ -29,6 +30,9 @@ class LcmPublisher {
 
   /// Sends the status and the counters of every station.
   void publish(const SensorStatus& status, hal::Stamp utc) noexcept;
+
+  /// Sends the rivals, if there are any.
+  void publish(const LcmRivalsView& rivals) noexcept;
 
   /// Sends every chunk of the scan.
   void publish(const LcmScanView& scan) noexcept;
@@ -43,9 +47,9 @@ class LcmPublisher {
   explicit LcmPublisher(const LcmConfig& config, LcmSink& sink) noexcept;
   void send(const LcmChannel& channel, std::size_t bytes) noexcept;
 
-  static constexpr std::size_t kBytesMax =
-      std::max({kLcmBytes<PoseMessage>, kLcmBytes<BotCorePose>, kLcmBytes<StatusMessage>,
-                kLcmBytes<CountersMessage>, kLcmBytes<MapMessage>, kLcmBytes<ScanMessage>});
+  static constexpr std::size_t kBytesMax = std::max(
+      {kLcmBytes<PoseMessage>, kLcmBytes<BotCorePose>, kLcmBytes<StatusMessage>, kLcmBytes<CountersMessage>,
+       kLcmBytes<MapMessage>, kLcmBytes<ScanMessage>, kLcmBytes<RivalsMessage>});
   // With the channel and LCM's header every message fits one datagram in one Ethernet frame.
   static_assert(kBytesMax + 8 + kLcmChannelMax + 1 <= 1472);
 
@@ -55,6 +59,7 @@ class LcmPublisher {
   LcmChannel counters_;
   LcmChannel map_;
   LcmChannel scan_;
+  LcmChannel rivals_;
   LcmChannel bot_core_;
   std::array<std::uint8_t, kBytesMax> buffer_{};
 };

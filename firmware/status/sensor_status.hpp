@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/fix.hpp"
+#include "core/memory/fixed_vector.hpp"
 #include "core/reading.hpp"
 #include "hal/counters.hpp"
 #include "hal/device.hpp"
@@ -109,6 +110,14 @@ struct SlamStatus {
   hal::Stamp process_max{};
   CounterTable counters;
 };
+
+/// Another place in the map of an ambiguous answer that explains the same scan.
+struct RivalPlace {
+  core::Pose2 pose_W;
+  std::uint32_t matches = 0;
+};
+inline constexpr std::size_t kRivalsMax = 8;
+using RivalPlaces = core::FixedVector<RivalPlace, kRivalsMax>;
 
 /// Where the readings come from.
 enum class SourceMode : std::uint8_t { Live, Emulated };

@@ -35,6 +35,7 @@ void check_message(Bytes message) {
   check_type<firmware::CountersMessage>(message);
   check_type<firmware::MapMessage>(message);
   check_type<firmware::ScanMessage>(message);
+  check_type<firmware::RivalsMessage>(message);
 }
 
 }  // namespace

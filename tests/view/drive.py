@@ -61,6 +61,11 @@ def scan_message(scan, pose, points, range_m=25.0):
                                                y_m=[p[1] for p in seen], weight=[1.0] * len(seen))
 
 
+def rivals_message(scan, poses, matches):
+    return "SLAMSENSOR_RIVALS", lcm_types.encode("rivals_t", initialization=7, scan=scan, count=len(poses), x_m=[p[0] for p in poses],
+                                                 y_m=[p[1] for p in poses], heading_rad=[p[2] for p in poses], matches=matches)
+
+
 def status_message(state=2, **more):
     fields = dict(initialization=7, state=state, phase="scanning", device_state=[2, 2],
                   device_model=["PTU-46-17.5", "LW20"], line=12, lines=40, pan_rad=0.6, tilt_rad=0.1, readings_hz=998.0,
@@ -80,15 +85,19 @@ def pose_at(scan):
     return (20.0 * math.cos(angle), 20.0 * math.sin(angle), angle + math.pi / 2)
 
 
+RIVALS = [(-12.5, 8.25, 1.0), (6.0, -30.0, -2.0)]
+
+
 def recording(count=100, reach_m=40.0):
-    """30 scans, two seconds apart: fixes; scan 12 ambiguous; 20 to 23 in a local map; then fixes again."""
+    """30 scans, two seconds apart: fixes; scan 12 ambiguous, with two rivals; 20 to 23 in a local map; then fixes again."""
     points = landmarks(count, reach_m)
     events = [(T0, *message) for message in map_messages(points)]
     for scan in range(30):
         t = T0 + 2.0 * scan
         pose = pose_at(scan)
         if scan == 12:
-            made = pose_message(scan, pose, AMBIGUOUS, SYMMETRIC, weight_best=18, weight_runner_up=17)
+            made = pose_message(scan, pose, AMBIGUOUS, SYMMETRIC)
+            events.append((t + 0.015, *rivals_message(scan, RIVALS, [21, 17])))
         elif 20 <= scan < 24:
             pose = (scan - 20.0, 0.0, 0.0)
             made = pose_message(scan, pose, NO_FIX, LOCAL_MAP, map_number=2)

@@ -99,6 +99,24 @@ class PageTest(unittest.TestCase):
     def assert_near(self, one, two, by=40):
         self.assertLess(max(abs(a - b) for a, b in zip(one, two)), by, f"{one} is not {two}")
 
+    def assert_rivals_are_drawn(self, page, rivals):
+        """Each as an arrow of the rivals' colour in a ring of it, hollow and turned to its heading, in the picture and in words."""
+        rival, canvas = page.run(COLOUR, "--rival"), page.run(COLOUR, "--canvas")
+        pixel_m = 1.0 / page.run("return slamsensorView.view.scale")
+
+        def met(x, y, angle, reach_px, colour):
+            near = [page.run(PIXEL, x + r * pixel_m * math.cos(angle), y + r * pixel_m * math.sin(angle))
+                    for r in (reach_px - 0.5, reach_px, reach_px + 0.5)]
+            return any(max(abs(a - b) for a, b in zip(pixel, colour)) < 60 for pixel in near)
+        for x, y, heading in rivals:
+            ring = [met(x, y, heading + a, 18, rival) for a in (0.4, 1.2, 2.0, 2.8, 4.0, 4.8, 5.5)]
+            self.assertGreaterEqual(sum(ring), 6, f"the ring at {x}, {y}")
+            self.assertTrue(met(x, y, heading, 12, rival), f"the tip of the arrow at {x}, {y}")
+            self.assertFalse(met(x, y, heading + math.pi, 11, rival), f"nothing behind the arrow at {x}, {y}")
+            self.assertTrue(met(x, y, heading, 3, canvas), f"the inside of the arrow at {x}, {y}")
+        label = page.run("return document.getElementById('map').getAttribute('aria-label')")
+        self.assertEqual(label.count("; rival "), len(rivals), label)
+
 
 class RecordingTest(PageTest):
     def opened(self, size=DESKTOP, **more):
@@ -147,8 +165,6 @@ class RecordingTest(PageTest):
         self.assertEqual(page.text("#state-words"), "ambiguous")
         self.assertEqual(page.run("return slamsensorView.story.path.filter((v) => v === null).length"), 0)
         self.assertIn("another place", page.text("#words").lower())
-        self.assertIn("18 here, 17 at the rival", page.text("#rivals"))
-        page.shot("recording-ambiguous")
         self.seek(page, 31.0)  # scan 15
         self.assertIn("absent", page.text("#devices").lower())
         self.assertIn("look at its cable", page.text("#problem"))
@@ -170,6 +186,24 @@ class RecordingTest(PageTest):
         for said in ("13:05:24", "look at its cable", "rangefinder: absent", "the sensor head scans again", "local map"):
             self.assertIn(said, events)
         self.assertIn("13:05:58 UTC, 58 of 58 s", page.text("#clock"))
+
+    def test_the_rivals_of_an_ambiguous_scan_are_drawn_and_said(self):
+        page = self.opened()
+        self.seek(page, 24.5)  # scan 12
+        self.assert_rivals_are_drawn(page, drive.RIVALS)
+        self.assertEqual(page.text("#rivals"),
+                         "The likeliest of 3 places is drawn hollow, with 22 matches. Rival 1: x -12.5, y 8.3 m, heading 57°, 21 matches. "
+                         "Rival 2: x 6.0, y -30.0 m, heading 245°, 17 matches.")
+        self.assertIn("; rival 2 of this scan at x 6.0, y -30.0 m, heading 245°",
+                      page.run("return document.getElementById('map').getAttribute('aria-label')"))
+        self.assertIn("rival place", page.text("#legend"))
+        page.shot("recording-ambiguous")
+        self.seek(page, 26.5)  # scan 13 is a fix again
+        self.assertTrue(page.run("return document.getElementById('rivals').hidden"))
+        self.assertNotIn("rival", page.run("return document.getElementById('map').getAttribute('aria-label')"))
+        self.assertNotEqual(page.run(PIXEL, *drive.RIVALS[1][:2]), page.run(COLOUR, "--rival"))
+        with self.assertRaises(AssertionError):
+            self.assert_rivals_are_drawn(page, drive.RIVALS)
 
     def test_it_plays(self):
         page = self.opened()
@@ -297,6 +331,7 @@ class RecordingTest(PageTest):
         worse = [drive.pose_message(40, (huge, -huge, none)), drive.pose_message(41, (1e9, 0, 0), covariance=[none] * 9),
                  drive.pose_message(42, (1, 1, 1), covariance=[huge] * 9, protection_radius_m=huge),
                  *drive.map_messages([(huge, huge), (none, 1.0), (2.0, -huge)], revision=9),
+                 drive.rivals_message(44, [(huge, -huge, huge), (none, 1.0, none)], [-3, 2**31 - 1]), drive.pose_message(44, (1, 1, 1), 1, 3),
                  drive.scan_message(43, (0, 0, 0), [(none, none)]), drive.pose_message(43, (2, 2, 0), 2, 0, map_number=-7),
                  drive.status_message(map_name="<img src=x onerror=document.title=1>", problem="<b>&\"'", pan_rad=none,
                                       readings_hz=huge, line=10**15, lines=-3)]
@@ -373,6 +408,13 @@ class LiveTest(PageTest):
         self.assertRegex(fix["Latitude, longitude"], r"^42\.46\d{5}, -2\.44\d{5}$")
         self.assertIn("60.00° true", page.run(LIST, "#about-map")["x axis towards"])
         page.shot("live-desktop")
+        # An ambiguous scan whose rivals are not known, then one with a rival.
+        self.send(drive.pose_message(3, drive.pose_at(3), drive.AMBIGUOUS, drive.SYMMETRIC, weight_best=18, weight_runner_up=17))
+        page.wait("return document.getElementById('rivals').textContent.includes('18 here, 17 at the rival')", "the scan without rivals")
+        self.send(drive.pose_message(4, drive.pose_at(4), drive.AMBIGUOUS, drive.SYMMETRIC), drive.rivals_message(4, drive.RIVALS[:1], [20]))
+        page.wait("return document.getElementById('rivals').textContent.includes('Rival 1')", "the rival")
+        self.settle(page)
+        self.assert_rivals_are_drawn(page, drive.RIVALS[:1])
         page.wait("return document.getElementById('state-words').textContent.startsWith('silent')", "the silence")
         # The process ends and another takes its port: the page goes on by itself.
         port = view.port

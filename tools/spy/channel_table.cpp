@@ -140,6 +140,7 @@ constexpr std::array kKnown = {
     known<firmware::CountersMessage>("slamsensor.counters_t"),
     known<firmware::MapMessage>("slamsensor.map_t"),
     known<firmware::ScanMessage>("slamsensor.scan_t"),
+    known<firmware::RivalsMessage>("slamsensor.rivals_t"),
     known<firmware::BotCorePose>("bot_core.pose_t"),
     KnownType{firmware::kBlockFingerprint, "slamsensor.block_t", no_lines},
     KnownType{firmware::kTextFingerprint, "slamsensor.text_t", no_lines},

@@ -47,6 +47,7 @@ void SensorStory::restart_if_new(std::int64_t initialization, std::int64_t utime
     local_maps_.clear();
     scan_B_.clear();
     scan_number_.reset();
+    rivals_.reset();
     scan_receiving_ = scan_in_local_map_ = path_scan_ = -1;
     tell(utime_us, StoryTone::Neutral, "the sensor was started again");
   }
@@ -224,6 +225,12 @@ void SensorStory::on_scan(const firmware::ScanMessage& message) {
   extend_local_map();
 }
 
+const firmware::RivalsMessage* SensorStory::rivals() const {
+  const bool are_of_pose =
+      rivals_ && pose_ && status_of(*pose_) == core::FixStatus::Ambiguous && rivals_->scan == pose_->scan;
+  return are_of_pose ? &*rivals_ : nullptr;
+}
+
 /// Once pose and landmarks of a scan that is known in a local map alone are both here.
 void SensorStory::extend_local_map() {
   const bool is_local = pose_ && static_cast<core::FixReason>(pose_->reason) == core::FixReason::LocalMap;
@@ -282,6 +289,9 @@ void SensorStory::on_message(std::string_view channel, std::span<const std::uint
   } else if (const auto scan = firmware::decode_lcm<firmware::ScanMessage>(bytes)) {
     restart_if_new(scan->initialization, utime_us);
     on_scan(*scan);
+  } else if (const auto rivals = firmware::decode_lcm<firmware::RivalsMessage>(bytes)) {
+    restart_if_new(rivals->initialization, utime_us);
+    rivals_ = *rivals;
   } else {
     return;
   }

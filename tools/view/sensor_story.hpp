@@ -112,6 +112,9 @@ class SensorStory {
   [[nodiscard]] const std::vector<core::Point2>& scan_B() const { return scan_B_; }
   [[nodiscard]] std::optional<std::int64_t> scan_number() const { return scan_number_; }
 
+  /// The rivals of the last pose; none when it is not ambiguous or they are not known.
+  [[nodiscard]] const firmware::RivalsMessage* rivals() const;
+
   using Counters = std::vector<std::pair<std::string, std::int64_t>>;
   [[nodiscard]] const std::array<Counters, firmware::kLcmStationNames.size()>& counters() const {
     return counters_;
@@ -150,7 +153,8 @@ class SensorStory {
   std::int64_t scan_receiving_ = -1;
   std::vector<core::Point2> scan_B_;
   std::optional<std::int64_t> scan_number_;
-  std::int64_t scan_in_local_map_ = -1;  // the last scan that extended a local map
+  std::optional<firmware::RivalsMessage> rivals_;  // the last that came
+  std::int64_t scan_in_local_map_ = -1;            // the last scan that extended a local map
   std::array<Counters, firmware::kLcmStationNames.size()> counters_;
   StoryList<StoryFix> path_W_;
   std::int64_t path_scan_ = -1;

@@ -140,6 +140,21 @@ Json status_json(const firmware::StatusMessage& status) {
           {"saved_ago_s", status.map_saved_ago_ns < 0 ? Json() : Json(seconds(status.map_saved_ago_ns))}};
 }
 
+/// None of them: null. A place that is no number is left out.
+Json rivals_json(const firmware::RivalsMessage* rivals) {
+  Json out;
+  for (std::size_t i = 0; rivals != nullptr && i < static_cast<std::size_t>(rivals->count); ++i) {
+    if (std::isfinite(rivals->x_m[i]) && std::isfinite(rivals->y_m[i]) &&
+        std::isfinite(rivals->heading_rad[i])) {
+      out.push_back({{"x", metres(rivals->x_m[i])},
+                     {"y", metres(rivals->y_m[i])},
+                     {"heading", rivals->heading_rad[i]},
+                     {"matches", rivals->matches[i]}});
+    }
+  }
+  return out;
+}
+
 Json counters_json(const SensorStory& story) {
   Json out = Json::object();
   for (std::size_t i = 0; i < firmware::kLcmStationNames.size(); ++i) {
@@ -272,6 +287,7 @@ Json story_json(const SensorStory& story, std::int64_t now_us, StoryCursor& curs
   add_changed("status", story.status() ? status_json(*story.status()) : Json(), cursor, out);
   add_changed("datum", std::move(datum), cursor, out);
   add_changed("scan", std::move(scan), cursor, out);
+  add_changed("rivals", rivals_json(story.rivals()), cursor, out);
   add_changed("counters", counters_json(story), cursor, out);
   add_changed("local_maps", local_maps_json(story), cursor, out);
   add_path(story, cursor, out);

@@ -44,6 +44,20 @@ function ellipse([xx, xy, yy]) {
   return { a: Math.sqrt(Math.max(0, mean + half)), b: Math.sqrt(Math.max(0, mean - half)), angle: Math.atan2(2 * xy, xx - yy) / 2 };
 }
 
+const headingText = (heading, digits) => `${fixed(((degrees(heading) % 360) + 360) % 360, digits)}°`;
+const placeText = ({ x, y, heading }) => `x ${fixed(x, 1)}, y ${fixed(y, 1)} m, heading ${headingText(heading, 0)}`;
+
+/** Of an ambiguous pose: which place is drawn as the sensor's, and which others explain the scan. */
+function rivalWords(pose) {
+  const rivals = story.rivals || [];
+  if (rivals.length > 0) {
+    const places = rivals.map((rival, i) => ` Rival ${i + 1}: ${placeText(rival)}, ${rival.matches} matches.`);
+    return `The likeliest of ${rivals.length + 1} places is drawn hollow, with ${pose.matches} matches.${places.join("")}`;
+  }
+  const soFar = pose.weight_runner_up > 0 ? ` Matches so far: ${pose.weight_best} here, ${pose.weight_runner_up} at the rival.` : "";
+  return `The likeliest place is drawn hollow; no rival in this map is known.${soFar}`;
+}
+
 function stateTone() {
   const state = story.status ? story.status.state : "";
   return { fixed: "good", scanning: "warn", starting: "warn", ambiguous: "warn", held: "warn", lost: "bad", faulted: "bad" }[state] || "";
@@ -66,13 +80,13 @@ function tellFix() {
   }
   const isAmbiguous = pose.status === "ambiguous";
   $("rivals").hidden = !isAmbiguous;
-  if (isAmbiguous) setText($("rivals"), `The better of two places is drawn, hollow. Matches so far: ${pose.weight_best} here, ${pose.weight_runner_up} at the rival.`);
+  if (isAmbiguous) setText($("rivals"), rivalWords(pose));
   const near = pose.has_pose ? ellipse(pose.near) : null;
   const home = pose.has_pose ? ellipse(pose.cov) : null;
   fillList($("fix"), [
     story.age_s !== undefined && ["Age", span(story.age_s)],
     pose.has_pose && ["x, y", `${fixed(pose.x, 3)}, ${fixed(pose.y, 3)} m`],
-    pose.has_pose && ["Heading", `${fixed(((degrees(pose.heading) % 360) + 360) % 360, 2)}°`],
+    pose.has_pose && ["Heading", headingText(pose.heading, 2)],
     pose.latitude !== undefined && ["Latitude, longitude", `${fixed(pose.latitude, 7)}, ${fixed(pose.longitude, 7)}`],
     pose.latitude !== undefined && ["True heading", `${fixed(pose.true_heading_deg, 1)}°`],
     home && ["Sigma in the map", `${fixed(home.a, 3)} × ${fixed(home.b, 3)} m, ${fixed(degrees(Math.sqrt(pose.cov_heading)), 2)}°`],
@@ -194,7 +208,8 @@ function tell() {
   const map = $("map");
   const pose = story.pose;
   const where = pose && pose.has_pose ? `; the sensor at x ${fixed(pose.x, 1)}, y ${fixed(pose.y, 1)} metres` : "; no pose";
-  const label = `Map with ${story.map.x.length} landmarks, ${story.fixes} fixes on the path${where}`;
+  const rivals = (story.rivals || []).map((rival, i) => `; rival ${i + 1} of this scan at ${placeText(rival)}`).join("");
+  const label = `Map with ${story.map.x.length} landmarks, ${story.fixes} fixes on the path${where}${rivals}`;
   if (map.getAttribute("aria-label") !== label) map.setAttribute("aria-label", label);
 }
 
@@ -209,7 +224,7 @@ const view = { x: 0, y: 0, scale: 20, follow: false, touched: false, colours: {}
 
 function readColours() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ["canvas", "grid", "ink", "soft", "path", "scan", "guard", "sigma", "spread", "beam", "bad", "warn", "xi0", "xi1", "xi2", "xi3", "xi4"]) {
+  for (const name of ["canvas", "grid", "ink", "soft", "path", "scan", "guard", "sigma", "spread", "beam", "rival", "bad", "warn", "xi0", "xi1", "xi2", "xi3", "xi4"]) {
     view.colours[name] = style.getPropertyValue(`--${name}`).trim();
   }
   view.base_key = "";
@@ -261,7 +276,7 @@ function fit() {
   for (let i = 0; i < landmarks.x.length; ++i) take(landmarks.x[i], landmarks.y[i]);
   for (let i = 0; i < path.length; i += 2) if (path[i] !== null) take(path[i], path[i + 1]);
   const pose = poseShown(frame);
-  if (pose) take(pose.x, pose.y);
+  if (pose) for (const place of [pose, ...(story.rivals || [])]) take(place.x, place.y);
   const map = $("map");
   if (!(x1 >= x0)) [x0, x1, y0, y1] = [-10, 10, -10, 10];
   // Between the buttons above and the legend below, over which a local map has a line of words.
@@ -483,8 +498,33 @@ function drawPose(context, pose) {
     context.ellipse(px, py, Math.min(reach, Math.max(1, 3 * a * view.scale)), Math.min(reach, Math.max(1, 3 * b * view.scale)), -angle, 0, 2 * Math.PI);
     context.stroke();
   }
+  drawArrow(context, pose, colour, isFix ? colour : view.colours.canvas);
+}
+
+/** The other places of an ambiguous scan: a hollow arrow in a ring, with its number. */
+function drawRivals(context) {
+  (story.rivals || []).forEach((rival, i) => {
+    const [px, py] = toScreen(rival.x, rival.y);
+    context.strokeStyle = view.colours.rival;
+    context.lineWidth = 2;
+    context.beginPath();
+    context.arc(px, py, 18, 0, 2 * Math.PI);
+    context.stroke();
+    drawArrow(context, rival, view.colours.rival, view.colours.canvas);
+    context.font = "bold 12px system-ui, sans-serif";
+    context.textAlign = "left";
+    context.lineWidth = 4;
+    context.strokeStyle = view.colours.canvas; // a rim, so that it can be read over landmarks
+    context.strokeText(`rival ${i + 1}`, px + 22, py + 4);
+    context.fillStyle = view.colours.rival;
+    context.fillText(`rival ${i + 1}`, px + 22, py + 4);
+  });
+}
+
+/** Where `pose` is and looks. */
+function drawArrow(context, pose, colour, filling) {
   context.save();
-  context.translate(px, py);
+  context.translate(...toScreen(pose.x, pose.y));
   context.rotate(-pose.heading);
   context.beginPath();
   context.moveTo(13, 0);
@@ -494,7 +534,7 @@ function drawPose(context, pose) {
   context.closePath();
   context.lineWidth = 2;
   context.strokeStyle = colour;
-  context.fillStyle = isFix ? colour : view.colours.canvas;
+  context.fillStyle = filling;
   context.fill();
   context.stroke();
   context.restore();
@@ -564,6 +604,7 @@ function draw() {
   if (pose) {
     drawScan(context, pose);
     drawBeam(context, pose);
+    drawRivals(context);
     drawPose(context, pose);
   }
   drawScale(context, width, height);
@@ -719,7 +760,7 @@ function takeMap(map) {
 /** Members that are not in the message are as they were; `null` is none. */
 function take(message) {
   const had = story.map.x.length;
-  for (const name of ["pose", "status", "datum", "scan", "counters", "local_maps"]) if (name in message) story[name] = message[name] || undefined;
+  for (const name of ["pose", "status", "datum", "scan", "rivals", "counters", "local_maps"]) if (name in message) story[name] = message[name] || undefined;
   for (const name of ["age_s", "heard_s", "problem"]) story[name] = message[name];
   story.local_maps = story.local_maps || {};
   if (message.map) takeMap(message.map);

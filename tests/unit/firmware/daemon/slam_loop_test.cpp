@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -218,6 +219,52 @@ TEST_F(SlamLoopTest, ScansElsewhereAreALocalMapThatTheStatusCounts) {
   EXPECT_EQ(second->fix.reason, core::FixReason::LocalMap);
   EXPECT_NE(second->fix.map, second->fix.home);
   EXPECT_NEAR(second->fix.pose_W.x_m, 2.0, 0.2);
+}
+
+// The posts stand twice, a quarter turn and 300 m apart: a scan of them may be at either place.
+TEST_F(SlamLoopTest, AnAmbiguousScanComesWithItsRivalsAndAFixWithout) {
+  const core::Pose2 copy_W{300.0, 40.0, std::numbers::pi / 2.0};
+  std::vector<core::MapLandmark> landmarks;
+  std::vector<core::Point2> positions_W;
+  for (const auto& post : kPosts_W) {
+    const core::Point2 place(post[0], post[1]);
+    for (const core::Point2& p : {place, copy_W * place}) {
+      landmarks.push_back({.id = static_cast<std::uint32_t>(landmarks.size())});
+      positions_W.push_back(p);
+    }
+  }
+  const core::MapState survey{.landmarks = landmarks,
+                              .positions_W = positions_W,
+                              .path = {},
+                              .next_id = static_cast<std::uint32_t>(landmarks.size()),
+                              .scans = 1,
+                              .is_surveyed = true};
+  ASSERT_TRUE(orders.give({.kind = MapCommand::Restore, .state = survey, .frozen = core::Frozen::Yes}));
+  run();
+  ASSERT_TRUE(orders.answer().value().check.ok());
+  const auto message = scan_at(2.0);
+  ASSERT_TRUE(message);
+  ASSERT_EQ(message->fix.status, core::FixStatus::Ambiguous);
+  ASSERT_EQ(message->rivals.size(), 1U);
+  const core::Pose2 here{2.0, 0.0, 0.0};
+  const bool is_answer_here = std::abs(message->fix.pose_W.x_m) < 10.0;
+  const core::Pose2 rival_W = is_answer_here ? copy_W * here : here;
+  EXPECT_NEAR(message->rivals[0].pose_W.x_m, rival_W.x_m, 0.5);
+  EXPECT_NEAR(message->rivals[0].pose_W.y_m, rival_W.y_m, 0.5);
+  EXPECT_NEAR(message->rivals[0].pose_W.heading_rad, rival_W.heading_rad, 0.05);
+  EXPECT_GT(message->rivals[0].matches, 8U);
+
+  ASSERT_TRUE(orders.give({MapCommand::Reset, {}}));
+  run();
+  static_cast<void>(orders.answer());
+  ASSERT_TRUE(orders.give({MapCommand::Unfreeze, {}}));
+  run();
+  static_cast<void>(orders.answer());
+  ASSERT_TRUE(scan_at(0.0));
+  const auto fix = scan_at(2.0);
+  ASSERT_TRUE(fix);
+  EXPECT_EQ(fix->fix.status, core::FixStatus::Fix);
+  EXPECT_TRUE(fix->rivals.empty());
 }
 
 // What a recording begins with: its replay has the map that was posted and nothing else.

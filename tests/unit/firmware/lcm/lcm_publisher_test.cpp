@@ -36,15 +36,19 @@ TEST(LcmPublisher, TapHearsEveryMessageEvenWithoutANetwork) {
   const auto landmarks = tests::sample_landmarks(51);
   bench.publisher.publish(tests::view_of(landmarks));
   EXPECT_FALSE(bench.publisher.publish(tests::SampleMap(37).view(), 0, 9));
+  bench.publisher.publish(tests::sample_rivals(0));
+  bench.publisher.publish(tests::sample_rivals(2));
   const auto& messages = bench.tape.messages;
-  ASSERT_EQ(messages.size(), 6U);
+  ASSERT_EQ(messages.size(), 7U);
   EXPECT_TRUE(decode_lcm<PoseMessage>(messages.at("SLAMSENSOR_POSE").at(0)));
   EXPECT_TRUE(decode_lcm<StatusMessage>(messages.at("SLAMSENSOR_STATUS").at(0)));
   EXPECT_TRUE(decode_lcm<BotCorePose>(messages.at("POSE").at(0)));
   EXPECT_EQ(messages.at("SLAMSENSOR_COUNTERS").size(), 6U);
   EXPECT_EQ(messages.at("SLAMSENSOR_SCAN").size(), 2U);
   EXPECT_EQ(messages.at("SLAMSENSOR_MAP").size(), 2U);
-  EXPECT_EQ(bench.sink.counters()[1].value, 13U);
+  ASSERT_EQ(messages.at("SLAMSENSOR_RIVALS").size(), 1U);
+  EXPECT_TRUE(decode_lcm<RivalsMessage>(messages.at("SLAMSENSOR_RIVALS").at(0)));
+  EXPECT_EQ(bench.sink.counters()[1].value, 14U);
 }
 
 TEST(LcmPublisher, SendsNoBotCorePoseWithoutAFix) {

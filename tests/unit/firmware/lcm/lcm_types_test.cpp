@@ -40,6 +40,8 @@ for path in sorted(folder.glob('*.message')):
         print(message.id[1], message.y_m[1], message.sightings[1], message.sigma_m[3])
     if path.stem == 'slamsensor.scan_t':
         print(message.x_m[2], message.weight[2], message.scan_end_monotonic_ns)
+    if path.stem == 'slamsensor.rivals_t':
+        print(message.count, message.y_m[1], message.matches[1])
 )";
 
 bool is_installed(const char* program) {
@@ -99,6 +101,7 @@ TEST_F(LcmTypes, AreThoseOfTheLcmFiles) {
   write("slamsensor.counters_t", {out.data(), encode_counters(status, {}, LcmStation::PanTilt, 0, out)});
   write("slamsensor.map_t", {out.data(), encode_map_chunk(map.view(), 0, out)});
   write("slamsensor.scan_t", {out.data(), encode_scan_chunk(tests::view_of(landmarks), 0, out)});
+  write("slamsensor.rivals_t", {out.data(), encode_rivals(tests::sample_rivals(2), out)});
   EXPECT_EQ(
       read_by_generated_code(),
       line_of<BotCorePose>("bot_core.pose_t") +  //
@@ -106,6 +109,7 @@ TEST_F(LcmTypes, AreThoseOfTheLcmFiles) {
           line_of<MapMessage>("slamsensor.map_t") + "13 -0.25 2 0.75\n" +
           line_of<PoseMessage>("slamsensor.pose_t") +
           "1752488140000000 4294967290 True 12.5 3e-05 2 True -81985529216486896 3 3 0.9 6e-06 9 10 11\n" +
+          line_of<RivalsMessage>("slamsensor.rivals_t") + "2 -2.25 19\n" +
           line_of<ScanMessage>("slamsensor.scan_t") + "0.2 998.0 98765432101\n" +
           line_of<StatusMessage>("slamsensor.status_t") +
           "no reply at 115200 baud; check cable and power True -0.75 2 31\n");

@@ -187,6 +187,31 @@ TEST(LcmScan, BringsTheLandmarksBitForBit) {
   }
 }
 
+TEST(LcmRivals, BringsThePlacesAndNothingWithoutAny) {
+  std::array<std::uint8_t, 1400> out{};
+  EXPECT_EQ(encode_rivals(tests::sample_rivals(0), out), 0U);
+  for (const std::uint32_t size : {1U, 3U, 8U}) {
+    const LcmRivalsView rivals = tests::sample_rivals(size);
+    const auto message = decode_lcm<RivalsMessage>({out.data(), encode_rivals(rivals, out)});
+    ASSERT_TRUE(message) << size;
+    EXPECT_EQ(message->count, static_cast<std::int32_t>(size));
+    EXPECT_EQ(message->scan, rivals.scan);
+    const std::size_t last = size - 1;
+    EXPECT_EQ(message->x_m[last], rivals.rivals[last].pose_W.x_m);
+    EXPECT_EQ(message->y_m[last], rivals.rivals[last].pose_W.y_m);
+    EXPECT_EQ(message->heading_rad[last], rivals.rivals[last].pose_W.heading_rad);
+    EXPECT_EQ(message->matches[last], static_cast<std::int32_t>(20 - last));
+  }
+}
+
+TEST(LcmRivals, MoreThanThereIsRoomForAreNoMessage) {
+  RivalsMessage message;
+  message.count = static_cast<std::int32_t>(kRivalsMax) + 1;
+  std::array<std::uint8_t, kLcmBytes<RivalsMessage>> out{};
+  ASSERT_NE(encode_lcm(message, out), 0U);
+  EXPECT_FALSE(decode_lcm<RivalsMessage>(out));
+}
+
 TEST(LcmMap, BringsTheLandmarks) {
   std::array<std::uint8_t, 1400> out{};
   for (const std::uint32_t size : {0U, 1U, 30U, 31U, 1000U}) {
@@ -238,8 +263,8 @@ TEST(LcmCounters, AreRefusedBeyondTheirBounds) {
 
 template <typename T>
 class LcmMessageLaws : public testing::Test {};
-using Messages =
-    testing::Types<PoseMessage, BotCorePose, ScanMessage, MapMessage, StatusMessage, CountersMessage>;
+using Messages = testing::Types<PoseMessage, BotCorePose, ScanMessage, RivalsMessage, MapMessage,
+                                StatusMessage, CountersMessage>;
 TYPED_TEST_SUITE(LcmMessageLaws, Messages);
 
 TYPED_TEST(LcmMessageLaws, NeedTheirLengthAndTheirFingerprint) {

@@ -121,4 +121,14 @@ inline firmware::LcmScanView view_of(const std::vector<core::ScanLandmark>& land
   return {sample_report().initialization, sample_report().fix.scan, sample_report().fix.time, landmarks};
 }
 
+inline firmware::LcmRivalsView sample_rivals(std::uint32_t count) {
+  firmware::LcmRivalsView view{
+      sample_report().initialization, sample_report().fix.scan, sample_report().fix.time, {}};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const core::Pose2 pose_W{1.5 * i, -2.25 * i, 0.125 * i};
+    static_cast<void>(view.rivals.try_push_back({pose_W, 20 - i}));
+  }
+  return view;
+}
+
 }  // namespace slamsensor::tests

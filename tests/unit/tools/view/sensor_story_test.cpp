@@ -114,12 +114,42 @@ TEST_F(SensorStoryTest, MembersThatAreAsBeforeAreNotToldAgain) {
   EXPECT_TRUE(first["status"].is_null()) << "there is none: a reader that has one must drop it";
   EXPECT_EQ(first["pose"]["scan"], 0);
   const nlohmann::json then = story_json(story, now_us + 500'000, cursor);
-  for (const char* const name : {"pose", "status", "datum", "scan", "counters", "local_maps"}) {
+  for (const char* const name : {"pose", "status", "datum", "scan", "rivals", "counters", "local_maps"}) {
     EXPECT_TRUE(first.contains(name)) << name;
     EXPECT_FALSE(then.contains(name)) << name;
   }
   send(pose(1));
   EXPECT_EQ(story_json(story, now_us, cursor)["pose"]["scan"], 1);
+}
+
+firmware::RivalsMessage rivals_of(std::int64_t scan) {
+  firmware::RivalsMessage message;
+  message.initialization = 5;
+  message.scan = scan;
+  message.count = 3;
+  message.x_m = {40.0, std::nan(""), -7.5};
+  message.heading_rad = {0.5, 0.0, -1.0};
+  message.matches = {9, 8, 7};
+  return message;
+}
+
+TEST_F(SensorStoryTest, RivalsAreThoseOfTheLastPoseWhileItIsAmbiguous) {
+  const auto told = [this] {
+    StoryCursor cursor;
+    return story_json(story, now_us, cursor)["rivals"];
+  };
+  send(pose(0));
+  send(rivals_of(0));
+  EXPECT_TRUE(told().is_null()) << "the pose is a fix";
+  send(pose(1, core::FixStatus::Ambiguous, core::FixReason::Symmetric));
+  EXPECT_TRUE(told().is_null()) << "they are of another scan";
+  send(rivals_of(1));
+  ASSERT_EQ(told().size(), 2U) << "one of three has no place";
+  EXPECT_EQ(told()[1]["x"], -7.5);
+  EXPECT_EQ(told()[1]["heading"], -1.0);
+  EXPECT_EQ(told()[1]["matches"], 7);
+  send(pose(1, core::FixStatus::NoFix, core::FixReason::Stale));
+  EXPECT_TRUE(told().is_null());
 }
 
 TEST_F(SensorStoryTest, WithoutAScanThereIsNoAge) {
