@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 
 namespace slamsensor::core {
@@ -549,10 +548,9 @@ std::uint32_t Atlas::least_useful_in_turn() noexcept {
 /// Whether `map` may be two places in one. Such a map is neither tied nor a home map, until many landmarks
 /// have shown that no place of this world looks like another.
 bool Atlas::is_in_doubt(const MapEntry& map) const noexcept {
-  const std::uint32_t confirmed =
-      std::accumulate(maps_.begin(), maps_.end(), 0U,
-                      [](std::uint32_t sum, const MapEntry& entry) { return sum + entry.confirmed; });
-  return map.is_doubtful && (rates_.structure_decades >= kTieStructure || confirmed < kNoCopiesLandmarks);
+  const bool is_known = std::any_of(maps_.begin(), maps_.end(),
+                                    [](const MapEntry& entry) { return entry.confirmed >= kKnownLandmarks; });
+  return map.is_doubtful && (rates_.structure_decades >= kTieStructure || !is_known);
 }
 
 /// Whether `map` has been seen often enough to take the place of a home map that gives way, or that there is
