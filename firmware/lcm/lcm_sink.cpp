@@ -128,8 +128,7 @@ std::vector<int> open_descriptors() {
 // socket that was opened meanwhile is in no group, and nothing changes for it.
 void leave_group(const sockaddr_in& group, const std::vector<int>& open_before) {
   constexpr int kLeast = 0;  // the system takes its own minimum for it
-  ip_mreqn membership{};
-  membership.imr_multiaddr = group.sin_addr;
+  const ip_mreq membership{group.sin_addr, {htonl(INADDR_ANY)}};
   for (const int fd : open_descriptors()) {
     const bool is_new = !std::binary_search(open_before.begin(), open_before.end(), fd);
     if (is_new && ::setsockopt(fd, IPPROTO_IP, IP_DROP_MEMBERSHIP, &membership, sizeof membership) == 0) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cerrno>
 #include <poll.h>
 
 namespace slamsensor::firmware {
@@ -59,7 +60,8 @@ TEST(Signals, NoneThatIsNoFaultOfTheProgramEndsIt) {
         signal == SIGKILL || signal == SIGSTOP || signal == SIGTSTP || signal == SIGTTIN || signal == SIGTTOU;
     const bool is_libcs = signal >= 32 && signal < SIGRTMIN;
     if (!is_fault && !stops && !is_libcs) {
-      ASSERT_EQ(::raise(signal), 0) << signal;  // would end the test
+      // Would end the test. qemu-user has no 63 and 64 (EINVAL): what nobody can raise ends nothing.
+      ASSERT_TRUE(::raise(signal) == 0 || errno == EINVAL) << signal;
       while (signals->take()) {
       }
     }

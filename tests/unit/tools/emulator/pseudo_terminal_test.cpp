@@ -93,8 +93,8 @@ TEST_F(PseudoTerminalTest, ReportsWhetherAHostIsThereAndItsRate) {
   EXPECT_TRUE(terminal.has_host());
   host.set_speed(B115200);
   EXPECT_EQ(terminal.host_baud(), 115'200U);
-  host.set_speed(B921600);
-  EXPECT_EQ(terminal.host_baud(), 921'600U);
+  host.set_speed(B460800);
+  EXPECT_EQ(terminal.host_baud(), 460'800U);
   host.close();
   EXPECT_FALSE(terminal.has_host());
 }
