@@ -88,7 +88,7 @@ bool rivals(const Weighed& other, const Weighed& answer, Stake stake, double str
 bool stands_alone(const Evidence& evidence, Stake stake, double structure_decades) noexcept {
   const bool is_tie = stake == Stake::Tie || stake == Stake::Follow;
   const double margin = decades_of(evidence.ln_bayes) - structure_decades;
-  const double groups = stake == Stake::Tie ? evidence.group_decades : evidence.small_group_decades;
+  const double groups = is_tie ? evidence.group_decades : evidence.small_group_decades;
   return groups >= (is_tie && margin < kUnlikeFarMargin ? kTieDecades : kUnlikeDecades) &&
          evidence.contradiction_decades() <= kUnlikeContradiction && structure_decades <= kUnlikeStructure &&
          margin >= (is_tie ? kUnlikeTieMargin : kUnlikeMargin);
@@ -188,7 +188,7 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
       asks_for_copies || (stake == Stake::Local && structure_decades >= kUnlikeStructure);
   const bool is_unlike_others = stands_alone(best.evidence, stake, structure_decades);
   if ((!asks_for_copies && contradictions > kLocalContradiction) ||
-      (is_tie && !is_unlike_others && contradictions > kTieContradiction)) {
+      (is_tie && contradictions > kTieContradiction)) {
     return refuse(verdict, FixStatus::NoFix, FixReason::NoOverlap);
   }
   if (odds > risk || (stake == Stake::Fix && is_as_wrong_places(decades, structure_decades))) {

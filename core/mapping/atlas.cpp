@@ -550,7 +550,7 @@ std::uint32_t Atlas::least_useful_in_turn() noexcept {
 bool Atlas::is_in_doubt(const MapEntry& map) const noexcept {
   const bool is_known = std::any_of(maps_.begin(), maps_.end(),
                                     [](const MapEntry& entry) { return entry.confirmed >= kKnownLandmarks; });
-  return map.is_doubtful && (rates_.structure_decades >= kTieStructure || !is_known);
+  return map.is_doubtful && (rates_.structure_decades >= kNoCopiesStructure || !is_known);
 }
 
 /// Whether `map` has been seen often enough to take the place of a home map that gives way, or that there is

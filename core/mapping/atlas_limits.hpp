@@ -42,8 +42,8 @@ inline constexpr double kPlaceContradiction = 2.0;  // ... decades against, of a
 inline constexpr double kFirstTurn_rad =
     0.25 * kDegree;                           // 1 sigma: the first fix in a home map is what users align by
 inline constexpr double kTieStructure = 7.0;  // a world that repeats itself less than this is tied at once
-inline constexpr std::uint32_t kKnownLandmarks =
-    60;  // confirmed ones of one map; where none of them showed a copy, no map is doubted
+inline constexpr std::uint32_t kKnownLandmarks = 60;  // confirmed ones of one map; where so many stand ...
+inline constexpr double kNoCopiesStructure = 6.5;     // ... and 125 in all showed no copy, no map is doubted
 inline constexpr double kNewsPerSample = 5.0;  // landmarks: about as many as stand within the size of a copy
 inline constexpr double kThoroughStructure =
     7.5;  // a world that repeats itself more is searched for all rivals

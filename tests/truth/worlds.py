@@ -378,6 +378,28 @@ def twin_bare(rng, seed):
     return two_copses(rng, seed, (0, 0))
 
 
+def gardens_alike(rng, seed):
+    """A garden stands twice in land of its own, and is as wide as the sensor's view: A and B in turn."""
+    size_m, range_m = rng.uniform(10.0, 12.0), rng.uniform(12.0, 14.0)
+    beds = [(rng.uniform(-0.5, 0.5) * size_m, rng.uniform(-0.5, 0.5) * size_m, 0.2) for _ in range(18)]
+    places = [(0.0, 0.0, 0.0), (80.0, 0.0, rng.uniform(-math.pi, math.pi))]
+    world = geo.Grid()
+    for place in places:
+        for x_m, y_m, diameter_m in beds:
+            world.add((*geo.to_world(place, (x_m, y_m)), diameter_m))
+        for _ in range(40):
+            x_m, y_m = rng.uniform(-18.0, 18.0), rng.uniform(-18.0, 18.0)
+            if max(abs(x_m), abs(y_m)) > 0.5 * size_m + 1.0:
+                world.add((*geo.to_world(place, (x_m, y_m)), 0.2))
+    poses = []
+    for number in range(90):
+        stand = rng.uniform(-6.0, 6.0), rng.uniform(-6.0, 6.0)
+        place = places[0 if number < 12 else number % 2]
+        poses.append((*geo.to_world(place, stand), rng.uniform(-math.pi, math.pi)))
+    sensor = sensor_of(seed, range_m=range_m, dropped=0.08, spurious=0.5, sigma_m=0.04)
+    return drive_through(rng, sensor, poses, world)
+
+
 # --- Real tree positions -----------------------------------------------------------------------------------------
 
 
@@ -602,6 +624,7 @@ DRIVES = {
     "street": DriveKind(street),
     "twin": DriveKind(twin),
     "twin_bare": DriveKind(twin_bare, never_wrong=False),
+    "gardens_alike": DriveKind(gardens_alike),
     "road": DriveKind(road),
     "stand": DriveKind(stand),
     "garden": DriveKind(garden, far=True),

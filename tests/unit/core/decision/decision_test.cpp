@@ -124,6 +124,17 @@ TEST(Decide, AShortReachGoesOnWithSmallGroups) {
   EXPECT_EQ(judge({near}, Stake::Fix, 6.9).status, FixStatus::Fix) << "13 decades beyond wrong places";
 }
 
+// Two gardens alike in different surroundings: the copy explains the map of one by a hundred decades, and a
+// third of its landmarks is not there.
+TEST(Decide, ATieThatAThirdContradictsIsNoTie) {
+  Weighed garden = good(0.0, 107.0);
+  EXPECT_EQ(judge({garden}, Stake::Tie, 6.9).status, FixStatus::Fix);
+  garden.evidence.log10_unmatched = -3.0;
+  for (const Stake stake : {Stake::Tie, Stake::Follow}) {
+    EXPECT_EQ(judge({garden}, stake, 6.9).reason, FixReason::NoOverlap);
+  }
+}
+
 TEST(Rates, ManyScansOfOneCopseSayNoMoreOfTheWorldThanOne) {
   Rates rates;
   const double before = rates.structure_decades;
