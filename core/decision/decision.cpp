@@ -22,7 +22,6 @@ constexpr double kLocalRisk = 1e-4;          // of a scan in a local map
 constexpr double kTieRiskShare = 1e-3;       // of the risk of a fix: a tie binds many scans
 constexpr double kLocalContradiction = 4.0;  // decades against a scan in a local map
 constexpr double kAgainDecades = 1.0;        // two groups, and no more against them than usual
-constexpr double kUnknownDecades = 1.0;      // that groups of small copies are worth less in an unknown world
 constexpr double kUnlikeDecades = 2.0;       // three groups
 constexpr double kUnlikeContradiction = 5.0;
 constexpr double kUnlikeStructure = 7.0;  // of a world that hardly repeats itself
@@ -94,16 +93,6 @@ bool stands_alone(const Evidence& evidence, Stake stake, double structure_decade
          margin >= (is_tie ? kUnlikeTieMargin : kUnlikeMargin);
 }
 
-/// The decades of groups that count. What goes on where it was just seen may take copies for as small as a
-/// short reach shows; in an unknown world, where one may fill the view, for a decade.
-double groups_of(const Evidence& evidence, Stake stake, double structure_decades) noexcept {
-  if (stake != Stake::Again && stake != Stake::Follow) {
-    return evidence.group_decades;
-  }
-  const double unknown = structure_decades < kUnlikeStructure ? 0.0 : kUnknownDecades;
-  return std::max(evidence.group_decades, evidence.small_group_decades - unknown);
-}
-
 /// Whether wrong places of a world that repeats itself explain about as much.
 bool is_as_wrong_places(double decades, double structure_decades) noexcept {
   return structure_decades > Rates::kStartStructure && decades < structure_decades + kBeyondWrong;
@@ -173,8 +162,9 @@ Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, Searc
   const double risk = std::log10(risk_of(stake, config));
   const double odds = std::log10(others) - decades;
   const double contradictions = best.evidence.contradiction_decades();
-  const double copies = groups_of(best.evidence, stake, structure_decades) -
-                        std::max(0.0, contradictions - kUsualContradiction);
+  const bool goes_on = stake == Stake::Again || stake == Stake::Follow;
+  const double groups = goes_on ? best.evidence.small_group_decades : best.evidence.group_decades;
+  const double copies = groups - std::max(0.0, contradictions - kUsualContradiction);
   const bool is_tie = stake == Stake::Tie || stake == Stake::Follow;
   verdict.log10_expected_wrong = std::min(0.0, odds);
   if (chance > risk) {

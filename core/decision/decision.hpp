@@ -46,9 +46,10 @@ enum class Stake : std::uint8_t {
 ///    the two. Where the world does not repeat itself (`structure_decades`, Rates) three groups, each as wide
 ///    as a copse, are enough when nothing contradicts them and the answer explains the witnesses by far more
 ///    than wrong places ever did; a tie asks for more of it, or a fourth. A sensor of short reach never sees
-///    beyond a copy of the usual size: what goes on where it was just seen, and where the world does not
-///    repeat itself, counts groups of three quarters of its reach, and in an unknown world one more of them.
-///    Not asked of a local map, nor in a complete survey.
+///    beyond a copy of the usual size: in a known world without copies, what goes on where it was just seen,
+///    and a scan whose three groups are enough, count groups of three quarters of its reach. A tie has at
+///    most two decades against it, however much speaks for it. Not asked of a local map, nor in a complete
+///    survey.
 /// 3. A copy that was mapped. Every other place that explains the witnesses hundredfold better than chance is
 ///    contradicted by a decade more than the answer is; raw odds mislead here, because what is missing at one
 ///    place may be new ground at the other. A place in another map counts where the world may repeat itself,

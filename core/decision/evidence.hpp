@@ -31,7 +31,7 @@ struct Witnesses {
   MapSlot own_map = 0;               ///< of a local map: the map whose explored ground is the view
   Pose2 T_own_B;                     ///< of a local map: from B to its frame
   bool is_surveyed = false;     ///< the maps are complete: what looks like a place is that place or chance
-  double sensor_reach_m = 0.0;  ///< as far as the sensor has shown landmarks; 0: not known
+  double sensor_reach_m = 0.0;  ///< of a short one groups are a share; 0: no groups but the usual ones
   double sigma_share = 1.0;     ///< spread of a witness, as a share of a scan's: a mean of sightings has less
 };
 

@@ -79,7 +79,7 @@ Witnesses Atlas::scan_witnesses() const noexcept {
   witnesses.view = scan_.view;
   witnesses.T_L_B = T_L_B_;
   witnesses.is_surveyed = is_surveyed_;
-  witnesses.sensor_reach_m = sensor_reach_m_;
+  witnesses.sensor_reach_m = known_reach_m();
   return witnesses;
 }
 
@@ -545,12 +545,23 @@ std::uint32_t Atlas::least_useful_in_turn() noexcept {
   return worst;
 }
 
-/// Whether `map` may be two places in one. Such a map is neither tied nor a home map, until many landmarks
-/// have shown that no place of this world looks like another.
+/// Whether many landmarks have shown that no place of this world looks like another.
+bool Atlas::is_known_without_copies() const noexcept {
+  return rates_.structure_decades < kNoCopiesStructure &&
+         std::any_of(maps_.begin(), maps_.end(),
+                     [](const MapEntry& entry) { return entry.confirmed >= kKnownLandmarks; });
+}
+
+/// How far the sensor sees, a share of which is the size of groups; 0 until the world is known: before, a
+/// copy may fill the view.
+double Atlas::known_reach_m() const noexcept {
+  return is_known_without_copies() ? sensor_reach_m_ : 0.0;
+}
+
+/// Whether `map` may be two places in one. Such a map is neither tied nor a home map, until the world is
+/// known.
 bool Atlas::is_in_doubt(const MapEntry& map) const noexcept {
-  const bool is_known = std::any_of(maps_.begin(), maps_.end(),
-                                    [](const MapEntry& entry) { return entry.confirmed >= kKnownLandmarks; });
-  return map.is_doubtful && (rates_.structure_decades >= kNoCopiesStructure || !is_known);
+  return map.is_doubtful && !is_known_without_copies();
 }
 
 /// Whether `map` has been seen often enough to take the place of a home map that gives way, or that there is

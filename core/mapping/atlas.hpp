@@ -151,6 +151,8 @@ class Atlas {
   void count_out(std::uint32_t slot) noexcept;
   void make_room(std::uint32_t wanted) noexcept;
   [[nodiscard]] std::uint32_t least_useful_in_turn() noexcept;
+  [[nodiscard]] bool is_known_without_copies() const noexcept;
+  [[nodiscard]] double known_reach_m() const noexcept;
   [[nodiscard]] bool is_in_doubt(const MapEntry& map) const noexcept;
   [[nodiscard]] bool deserves_home(const MapEntry& map) const noexcept;
   void choose_home() noexcept;

@@ -87,7 +87,7 @@ void Atlas::try_tie(MapSlot map, const Deadline& deadline) noexcept {
   Witnesses witnesses;
   witnesses.points_B = confirmed_.span();
   witnesses.own_map = map;
-  witnesses.sensor_reach_m = sensor_reach_m_;
+  witnesses.sensor_reach_m = known_reach_m();
   witnesses.sigma_share = kMeanSigmaShare;
   witnesses.T_own_B = T_C_map.inverse();
   weigh(witnesses, found_[0], weighed_ties_);

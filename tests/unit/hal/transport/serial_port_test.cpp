@@ -104,32 +104,38 @@ std::optional<bool> is_marked(int fd) {
   return ::ioctl(fd, TIOCGEXCL, &is_exclusive) == 0 ? std::optional(is_exclusive != 0) : std::nullopt;
 }
 
+/// A terminal that something else holds open while a port on it comes up and is closed again.
+class HeldTerminal {
+ public:
+  HeldTerminal() : holder_(::open(terminal_.path().c_str(), O_RDWR | O_NOCTTY)) { EXPECT_GE(holder_, 0); }
+  HeldTerminal(const HeldTerminal&) = delete;
+  HeldTerminal& operator=(const HeldTerminal&) = delete;
+  ~HeldTerminal() { ::close(holder_); }
+
+  void use(const std::function<void()>& while_up) const {
+    const auto port = make(terminal_.path());
+    port->service(std::chrono::seconds(1));
+    EXPECT_TRUE(port->is_up());
+    while_up();
+  }
+  [[nodiscard]] int fd() const { return holder_; }
+
+ private:
+  PseudoTerminal terminal_;
+  int holder_;
+};
+
 // A mark would outlive an owner that is killed, and lock out the next one.
 TEST(SerialPort, LeavesNoMarkOnAPseudoTerminal) {
-  const PseudoTerminal terminal;
-  const int holder = ::open(terminal.path().c_str(), O_RDWR | O_NOCTTY);
-  ASSERT_GE(holder, 0);
-  {
-    const auto port = make(terminal.path());
-    port->service(std::chrono::seconds(1));
-    ASSERT_TRUE(port->is_up());
-    EXPECT_EQ(is_marked(holder), false);
-  }
-  EXPECT_EQ(is_marked(holder), false);
-  ::close(holder);
+  const HeldTerminal terminal;
+  terminal.use([&] { EXPECT_EQ(is_marked(terminal.fd()), false); });
+  EXPECT_EQ(is_marked(terminal.fd()), false);
 }
 
 TEST(SerialPort, IsFreeAgainWhenItIsClosedEvenIfAnotherHoldsTheTerminalOpen) {
-  const PseudoTerminal terminal;
-  const int holder = ::open(terminal.path().c_str(), O_RDWR | O_NOCTTY);
-  ASSERT_GE(holder, 0);
-  {
-    const auto port = make(terminal.path());
-    port->service(std::chrono::seconds(1));
-    ASSERT_TRUE(port->is_up());
-  }
-  EXPECT_EQ(::flock(holder, LOCK_EX | LOCK_NB), 0);
-  ::close(holder);
+  const HeldTerminal terminal;
+  terminal.use([&] { EXPECT_NE(::flock(terminal.fd(), LOCK_EX | LOCK_NB), 0); });
+  EXPECT_EQ(::flock(terminal.fd(), LOCK_EX | LOCK_NB), 0);
 }
 
 /// What another program does to a terminal that it has open.
