@@ -552,18 +552,6 @@ bool Atlas::is_known_without_copies() const noexcept {
                      [](const MapEntry& entry) { return entry.confirmed >= kKnownLandmarks; });
 }
 
-/// How far the sensor sees, a share of which is the size of groups; 0 until the world is known: before, a
-/// copy may fill the view.
-double Atlas::known_reach_m() const noexcept {
-  return is_known_without_copies() ? sensor_reach_m_ : 0.0;
-}
-
-/// Whether `map` may be two places in one. Such a map is neither tied nor a home map, until the world is
-/// known.
-bool Atlas::is_in_doubt(const MapEntry& map) const noexcept {
-  return map.is_doubtful && !is_known_without_copies();
-}
-
 /// Whether `map` has been seen often enough to take the place of a home map that gives way, or that there is
 /// not yet.
 bool Atlas::deserves_home(const MapEntry& map) const noexcept {

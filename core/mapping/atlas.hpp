@@ -152,8 +152,16 @@ class Atlas {
   void make_room(std::uint32_t wanted) noexcept;
   [[nodiscard]] std::uint32_t least_useful_in_turn() noexcept;
   [[nodiscard]] bool is_known_without_copies() const noexcept;
-  [[nodiscard]] double known_reach_m() const noexcept;
-  [[nodiscard]] bool is_in_doubt(const MapEntry& map) const noexcept;
+  /// How far the sensor sees, a share of which is the size of groups; 0 until the world is known: before, a
+  /// copy may fill the view.
+  [[nodiscard]] double known_reach_m() const noexcept {
+    return is_known_without_copies() ? sensor_reach_m_ : 0.0;
+  }
+  /// Whether `map` may be two places in one. Such a map is neither tied nor a home map, until the world is
+  /// known.
+  [[nodiscard]] bool is_in_doubt(const MapEntry& map) const noexcept {
+    return map.is_doubtful && !is_known_without_copies();
+  }
   [[nodiscard]] bool deserves_home(const MapEntry& map) const noexcept;
   void choose_home() noexcept;
   void try_tie(MapSlot map, const Deadline& deadline) noexcept;
