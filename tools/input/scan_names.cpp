@@ -3,6 +3,7 @@
 #include "tools/input/scan_source.hpp"
 
 #include <algorithm>
+#include <compare>
 #include <numeric>
 #include <string_view>
 #include <utility>
@@ -63,10 +64,10 @@ std::optional<NameStamp> parted_stamp(const NameParts& parts, std::size_t i) {
   return NameStamp{parts.runs[i], fraction, true, fraction.size() == kFractionDigits};
 }
 
-NameParts parts_of(const std::filesystem::path& file) {
+NameParts parts_of(std::string_view name) {
   NameParts parts{{""}, {}};
   bool in_run = false;
-  for (const char c : file.stem().string()) {
+  for (const char c : name) {
     if (!is_digit(c)) {
       if (in_run) parts.words.emplace_back();
       parts.words.back() += c;
@@ -139,7 +140,6 @@ std::string shown_time(nanoseconds time) {
          std::string(kFractionDigits - digits.size(), '0') + digits;
 }
 
-using std::chrono::nanoseconds;
 using Path = std::filesystem::path;
 using Numbers = std::vector<std::int64_t>;
 
@@ -201,18 +201,63 @@ std::optional<std::int64_t> number_of(const std::string& run) {
   return number && *number <= kScanNumberMax ? number : std::nullopt;
 }
 
-tl::unexpected<InputError> refuse_number(const Path& file, bool has_digits) {
-  return refuse(
-      file.string(),
-      std::string(has_digits ? "the number in its name is too large" : "has no number in its name") +
-          "; rename it to end in the scan's number, 0 to " + std::to_string(kScanNumberMax));
+// The scans numbered from 0 in the order of their keys, which all differ.
+template <typename Key>
+ScanLabels in_order_of(const std::vector<Key>& keys, std::string rule) {
+  ScanLabels result{std::vector<ScanLabel>(keys.size()), std::move(rule)};
+  const std::vector<std::size_t> order = order_of(keys);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    result.labels[order[i]] = numbered(static_cast<std::int64_t>(i));
+  }
+  return result;
+}
+
+// A path without its extension as a person sorts it: what stands between the numbers by its letters, the
+// numbers by their value, however many digits they have.
+struct NameOrder {
+  struct Part {
+    std::string word;
+    std::size_t digits = 0;
+    std::string run;
+    friend auto operator<=>(const Part&, const Part&) = default;
+  };
+  std::vector<Part> parts;
+  std::string name;  // where the parts are alike: 7 and 007
+  friend auto operator<=>(const NameOrder&, const NameOrder&) = default;
+};
+
+NameOrder name_order(const Path& file) {
+  std::error_code failed;
+  Path whole = std::filesystem::weakly_canonical(file, failed);
+  whole = failed ? file : whole;
+  NameOrder order{{}, whole.replace_extension().string()};
+  const NameParts parts = parts_of(order.name);
+  for (std::size_t i = 0; i < parts.words.size(); ++i) {
+    NameOrder::Part& part = order.parts.emplace_back();
+    part.word = parts.words[i];
+    if (i < parts.runs.size()) {
+      part.run = parts.runs[i].substr(std::min(parts.runs[i].find_first_not_of('0'), parts.runs[i].size()));
+      part.digits = part.run.size();
+    }
+  }
+  return order;
+}
+
+// Whatever the names are; refused is only what has the name of another: the same scan twice.
+tl::expected<ScanLabels, InputError> by_names(std::span<const Path> files) {
+  std::vector<NameOrder> keys;
+  std::transform(files.begin(), files.end(), std::back_inserter(keys), name_order);
+  if (const auto same = same_keys(keys)) {
+    return refuse_same(files[same->second], files[same->first], "the same name");
+  }
+  return in_order_of(
+      keys, "by name, numbered from 0, because the numbers in the names do not tell all scans apart");
 }
 
 tl::expected<ScanLabels, InputError> by_keys(std::span<const Path> files, const Numbers& keys,
                                              std::string rule) {
-  if (const auto same = same_keys(keys)) {
-    return refuse_same(files[same->second], files[same->first],
-                       "the scan number " + std::to_string(keys[same->first]));
+  if (same_keys(keys)) {
+    return by_names(files);
   }
   ScanLabels result;
   std::transform(keys.begin(), keys.end(), std::back_inserter(result.labels), numbered);
@@ -223,11 +268,10 @@ tl::expected<ScanLabels, InputError> by_keys(std::span<const Path> files, const 
 tl::expected<ScanLabels, InputError> by_last_number(std::span<const Path> files,
                                                     const std::vector<NameParts>& parts) {
   Numbers keys;
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const auto number =
-        parts[i].runs.empty() ? std::optional<std::int64_t>() : number_of(parts[i].runs.back());
+  for (const NameParts& name : parts) {
+    const auto number = name.runs.empty() ? std::optional<std::int64_t>() : number_of(name.runs.back());
     if (!number) {
-      return refuse_number(files[i], !parts[i].runs.empty());
+      return by_names(files);
     }
     keys.push_back(*number);
   }
@@ -254,17 +298,10 @@ tl::expected<ScanLabels, InputError> by_several_numbers(std::span<const Path> fi
   if (!same_keys(first)) {
     return by_keys(files, first, "by the first number that differs in the names");
   }
-  if (const auto same = same_keys(keys)) {
-    return refuse_same(files[same->second], files[same->first], "the same numbers in its name");
+  if (same_keys(keys)) {
+    return by_names(files);
   }
-  ScanLabels result;
-  result.labels.resize(files.size());
-  const std::vector<std::size_t> order = order_of(keys);
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    result.labels[order[i]] = numbered(static_cast<std::int64_t>(i));
-  }
-  result.rule = "by all numbers in the names, the leftmost first, numbered from 0";
-  return result;
+  return in_order_of(keys, "by all numbers in the names, the leftmost first, numbered from 0");
 }
 
 // Names that differ in numbers alone.
@@ -275,12 +312,12 @@ tl::expected<ScanLabels, InputError> by_differing_numbers(std::span<const Path> 
     return by_last_number(files, parts);
   }
   std::vector<Numbers> keys;
-  for (std::size_t i = 0; i < files.size(); ++i) {
+  for (const NameParts& name : parts) {
     Numbers& key = keys.emplace_back();
     for (const std::size_t place : places) {
-      const auto number = number_of(parts[i].runs[place]);
+      const auto number = number_of(name.runs[place]);
       if (!number) {
-        return refuse_number(files[i], true);
+        return by_names(files);
       }
       key.push_back(*number);
     }
@@ -304,7 +341,9 @@ tl::expected<ScanLabels, InputError> alone(const Path& file, const NameParts& pa
                        [](const std::string& a, const std::string& b) { return a.size() < b.size(); });
   const auto number = number_of(*longest);
   if (!number) {
-    return refuse_number(file, true);
+    return refuse(file.string(),
+                  "the number in its name is too large; rename it to end in the scan's number, 0 to " +
+                      std::to_string(kScanNumberMax));
   }
   return ScanLabels{{numbered(*number)}, ""};
 }
@@ -319,7 +358,7 @@ tl::expected<ScanLabels, InputError> label_scans(std::span<const Path> files) {
   std::vector<NameStamp> stamps;
   std::optional<std::size_t> without_stamp;
   for (const Path& file : files) {
-    parts.push_back(parts_of(file));
+    parts.push_back(parts_of(file.stem().string()));
     auto stamp = stamp_of(parts.back());
     if (stamp) {
       stamps.push_back(std::move(*stamp));

@@ -28,16 +28,16 @@ struct ScanLabels {
 
 /// Numbers the scans of `files` by their names (the last part of the path without the extension):
 /// - by time when every name holds a stamp: SECONDS.FRACTION or SECONDS_NANOSECONDS since 1970 (nine digits
-/// of
-///   seconds or more; fractions may be padded or not), or milliseconds, microseconds or nanoseconds since
+///   of seconds or more; fractions may be padded or not), or milliseconds, microseconds or nanoseconds since
 ///   1970 in 13, 16 or 19 digits. The scans are numbered from 0 in the order of time.
 /// - by the one number that differs, when the names are otherwise alike: 12 for frame_000012_os1.
 /// - by all their numbers, leftmost first, when several differ: the leftmost when it occurs once in each
-/// name,
-///   else the scans are numbered from 0 in that order.
+///   name, else the scans are numbered from 0 in that order.
 /// - by the last number in the name when the names have different words.
-/// A single file needs no number and is then scan 0. An error when some names have stamps and others not, a
-/// number is missing or too large, or two files have the same.
+/// - where these give two scans one number, or one none or one too large: by path as a person sorts it (s2
+///   before s10), numbered from 0.
+/// A single file needs no number and is then scan 0. An error when some names have stamps and others not, two
+/// have the same stamp, or two files have one path but for the extension.
 [[nodiscard]] tl::expected<ScanLabels, InputError> label_scans(std::span<const std::filesystem::path> files);
 
 }  // namespace slamsensor::tools
