@@ -19,8 +19,8 @@ SECONDS = 20.0
 PATIENCE_S = 30.0
 FIX = 2
 LEARNING = 3  # epochs after which gpsd knows which sentence ends one; before, it reports some in parts
-# Up to this version gpsd reports an epoch once. Later ones report it again for each sentence without a time that follows
-# (heading and errors: in that order alone they give an ATT), and a loss once more with the time of the last fix.
+# gpsd 3.22 reports an epoch once, 3.25 again for each sentence without a time that follows (heading and errors: only in
+# that order they give an ATT), and a loss once more with the time of the last fix.
 ONE_REPORT = (3, 23)
 
 #        name                     transport  Hz   gpsd's options  datum: latitude, longitude, height, bearing
