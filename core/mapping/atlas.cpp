@@ -278,6 +278,9 @@ void Atlas::localise(const Deadline& deadline, Fix& fix) noexcept {
     describe(weighed_[verdict.chosen], fix);
   }
   if (frozen_ == Frozen::Yes) {
+    if (is_surveyed_ && verdict.status == FixStatus::Fix && is_new_spot(weighed_[verdict.chosen])) {
+      learn_spread(weighed_[verdict.chosen]);
+    }
     return;
   }
   MapSlot tie_of = kNoMap;

@@ -134,7 +134,9 @@ class Atlas {
   void note_places(MapSlot map, const Pose2& T_map_B) noexcept;
   [[nodiscard]] Verdict decide_in(MapSlot map, Stake stake, SearchEnd end) noexcept;
   [[nodiscard]] bool is_same_place(const Candidate& a, const Candidate& b) const noexcept;
+  [[nodiscard]] bool is_new_spot(const Weighed& weighed) noexcept;
   void learn_from(const Weighed& weighed) noexcept;
+  void learn_spread(const Weighed& weighed) noexcept;
   [[nodiscard]] bool is_sure_in(MapSlot map, SearchEnd end) noexcept;
   void found_home() noexcept;
   void found_home_with(MapSlot map, Fix& fix) noexcept;

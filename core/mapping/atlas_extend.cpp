@@ -161,14 +161,35 @@ std::uint32_t Atlas::update_matched(const Weighed& w, std::array<std::uint32_t, 
 
 /// Two scans from one spot say little of what a scan from another spot will show, so only those are learned
 /// from that lie apart.
-void Atlas::learn_from(const Weighed& w) noexcept {
+bool Atlas::is_new_spot(const Weighed& w) noexcept {
   const double apart_m = (w.candidate.pose_W.translation() - learned_at_.translation()).norm();
-  learns_ = learned_in_ != w.candidate.map || apart_m > kLearnApart * scan_.reach_m;
-  if (!learns_) {
-    return;
+  if (learned_in_ == w.candidate.map && apart_m <= kLearnApart * scan_.reach_m) {
+    return false;
   }
   learned_in_ = w.candidate.map;
   learned_at_ = w.candidate.pose_W;
+  return true;
+}
+
+void Atlas::learn_from(const Weighed& w) noexcept {
+  learns_ = is_new_spot(w);
+  if (!learns_) {
+    return;
+  }
+  learn_spread(w);
+  rates_.clutter += w.evidence.unmatched;
+  rates_.clutter_count += w.evidence.explored;
+  for (const Point2& p : points_L_) {
+    rates_.bearings[Rates::bearing_bin(std::atan2(p.y(), p.x()))] += 1.0F;
+  }
+  if (rates_.clutter_count > kRatesMemory) {
+    rates_.clutter *= 0.5;
+    rates_.clutter_count *= 0.5;
+  }
+}
+
+/// All that a survey teaches, which says what stands where but not how well this sensor measures it.
+void Atlas::learn_spread(const Weighed& w) noexcept {
   double scaled2 = 0.0;
   for (const Match& match : w.candidate.matches) {
     const Point2 seen_W = w.candidate.pose_W * points_B_[match.scan];
@@ -177,18 +198,9 @@ void Atlas::learn_from(const Weighed& w) noexcept {
   }
   rates_.spread_m2 += scaled2;
   rates_.spread_count += std::max(0.0, 2.0 * static_cast<double>(w.candidate.matches.size()) - 3.0);
-  rates_.clutter += w.evidence.unmatched;
-  rates_.clutter_count += w.evidence.explored;
-  for (const Point2& p : points_L_) {
-    rates_.bearings[Rates::bearing_bin(std::atan2(p.y(), p.x()))] += 1.0F;
-  }
   if (rates_.spread_count > kRatesMemory) {
     rates_.spread_m2 *= 0.5;
     rates_.spread_count *= 0.5;
-  }
-  if (rates_.clutter_count > kRatesMemory) {
-    rates_.clutter *= 0.5;
-    rates_.clutter_count *= 0.5;
   }
 }
 

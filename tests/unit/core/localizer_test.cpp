@@ -184,19 +184,46 @@ TEST_P(LocalizerBySearch, RowsAreNeverAFix) {
   }
 }
 
-TEST_P(LocalizerBySearch, NoQueryChangesTheNext) {
+TEST_P(LocalizerBySearch, NoQueryChangesTheMap) {
   Draw draw(17);
   const Forest forest = tests::make_forest(180, draw);
-  ASSERT_TRUE(localizer->set_map(forest.trees_W));
   const auto scan = tests::scan_forest(forest, {3, 4, 1}, {}, draw);
-  const Fix first = locate(scan);
-  for (int i = 0; i < 10; ++i) {
-    (void)locate(tests::scan_forest(forest, tests::pose_in(forest, draw), {}, draw));
+  for (const bool is_surveyed : {true, false}) {
+    ASSERT_TRUE(localizer->restore(Kept(forest).state(is_surveyed)).ok());
+    const Fix first = locate(scan);
+    for (int i = 0; i < 10; ++i) {
+      (void)locate(tests::scan_forest(forest, tests::pose_in(forest, draw), {}, draw));
+    }
+    const Fix again = locate(scan);
+    EXPECT_LT((first.pose_W.translation() - again.pose_W.translation()).norm(), 0.01);
+    EXPECT_EQ(first.status, again.status);
+    EXPECT_EQ(first.expected_false_alarms == again.expected_false_alarms, !is_surveyed)
+        << "a survey teaches how well this sensor measures it";
   }
-  const Fix again = locate(scan);
-  EXPECT_EQ(first.pose_W.x_m, again.pose_W.x_m);
-  EXPECT_EQ(first.expected_false_alarms, again.expected_false_alarms);
-  EXPECT_EQ(first.status, again.status);
+}
+
+// A sensor that measures worse than is usual finds itself more often once that is known.
+TEST(Localizer, ASurveyTeachesHowFarLandmarksScatterAboutIt) {
+  Draw draw(28);
+  const Forest forest = tests::make_forest(180, draw);
+  tests::InArena<Localizer> learning(localizer_config(SearchMethod::Fast));
+  tests::InArena<Localizer> fresh(localizer_config(SearchMethod::Fast));
+  ASSERT_TRUE(learning->set_map(forest.trees_W));
+  int alone = 0;
+  int taught = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Pose2 truth = tests::pose_in(forest, draw);
+    const auto scan = tests::as_landmarks(
+        tests::scan_forest(forest, truth, {.dropped_share = 0.5, .spurious = 10, .sigma_m = 0.35}, draw));
+    ASSERT_TRUE(fresh->set_map(forest.trees_W));
+    alone += fresh->locate(scan, {}, {}).status == FixStatus::Fix ? 1 : 0;
+    const Fix fix = learning->locate(scan, {}, {});
+    if (fix.status == FixStatus::Fix) {
+      ++taught;
+      EXPECT_TRUE(tests::is_right(fix.pose_W, truth)) << "query " << i;
+    }
+  }
+  EXPECT_GT(taught, alone + 5) << alone << " alone";
 }
 
 TEST_P(LocalizerBySearch, AMapThatDoesNotFitOrIsNoneIsRefused) {
