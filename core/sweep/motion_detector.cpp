@@ -231,7 +231,8 @@ void MotionDetector::begin_scan() noexcept {
   report_ = {};
   suspects_ = {};
   incoherent_ = suspect_ = 0;
-  known_share_ = 0.0;
+  known_shares_.clear();
+  last_known_ = {};
   is_broken_ = has_moved_ = false;
 }
 
@@ -253,6 +254,19 @@ void MotionDetector::add(const Scanline& line) noexcept {
     give_up(MotionEvent::ScansChanged);
   } else if (is_incoherent()) {
     give_up(MotionEvent::ScansIncoherent);
+  }
+}
+
+void MotionDetector::end_scan() noexcept {
+  if (!config_.enabled || has_moved_ || known_shares_.size() == kFewLines) {
+    return;
+  }
+  const auto* const most =
+      std::max_element(known_shares_.begin(), known_shares_.end(),
+                       [](const KnownShare& a, const KnownShare& b) { return a.known < b.known; });
+  if (std::any_of(known_shares_.begin(), known_shares_.end(),
+                  [&](const KnownShare& line) { return breaks_off_from(*most, line); })) {
+    give_up(MotionEvent::ScansChanged);
   }
 }
 
@@ -294,12 +308,23 @@ bool MotionDetector::is_changed() noexcept {
 
 /// Whether fewer marks are known in this line than in the one before by more than chance does.
 bool MotionDetector::breaks_off() noexcept {
-  const auto seen = static_cast<double>(report_.tally.seen);
-  const double known_share = seen > 0.0 ? report_.tally.known / seen : 0.0;
-  const double before = std::exchange(known_share_, known_share);
-  const double sigma = std::sqrt(before * (1.0 - before) / std::max(1.0, seen)) + 0.5 / std::max(1.0, seen);
-  return report_.tally.risen_now > kRisenAtBreak * seen && known_share < kBreakShare * before &&
-         before - known_share > config_.sigmas * sigma;
+  const KnownShare known = known_share(report_.tally);
+  if (report_.tally.seen > 0) {
+    static_cast<void>(known_shares_.try_push_back(known));  // a scan of more lines is judged as it goes on
+  }
+  return breaks_off_from(std::exchange(last_known_, known), known);
+}
+
+MotionDetector::KnownShare MotionDetector::known_share(const MarkTally& tally) noexcept {
+  const double seen = std::max(1.0, static_cast<double>(tally.seen));
+  const double known = tally.known / seen;
+  return {known, std::sqrt(known * (1.0 - known) / seen) + 0.5 / seen,
+          tally.risen_now > kRisenAtBreak * seen};
+}
+
+bool MotionDetector::breaks_off_from(const KnownShare& other, const KnownShare& line) const noexcept {
+  return line.has_risen && line.known < kBreakShare * other.known &&
+         other.known - line.known > config_.sigmas * other.sigma;
 }
 
 /// Whether line after line sees new things before what was seen until then, and nothing stands.

@@ -93,8 +93,10 @@ struct MotionReport {
 /// Tells whether the lines of a scan were swept from one place. What stands upright is seen at one bearing
 /// and horizontal range in line after line; when all of it is displaced together, or gone and replaced, or
 /// nothing is seen twice, then it was the sensor that moved. A bush that rustles, a person who walks by and
-/// a tree top that is over displace nothing else. No allocation after construction; work in proportion to
-/// the readings; one thread.
+/// a tree top that is over displace nothing else. In a scan of few lines nothing stands for long: there a
+/// line that knows hardly anything of what the others know of each other tells of a move, which has to be as
+/// far as marks are told apart by, half a metre or a few degrees. No allocation after construction; work in
+/// proportion to the readings; one thread.
 class MotionDetector {
  public:
   explicit MotionDetector(const MotionConfig& config) noexcept : config_(config) {}
@@ -103,6 +105,8 @@ class MotionDetector {
   void begin_scan() noexcept;
   /// The next line of the scan; nothing of it is kept.
   void add(const Scanline& line) noexcept;
+  /// The scan had no more lines.
+  void end_scan() noexcept;
 
   /// Whether the carrier has moved since begin_scan(). Stays true until the next one.
   [[nodiscard]] bool has_moved() const noexcept { return has_moved_; }
@@ -110,11 +114,21 @@ class MotionDetector {
   [[nodiscard]] std::uint64_t count(MotionEvent event) const noexcept { return counters_[event]; }
 
  private:
+  static constexpr std::size_t kFewLines = 8;  // of a scan in which nothing stands long enough
+
   [[nodiscard]] bool is_suspect(const std::optional<MotionEstimate>& estimate) const noexcept;
   [[nodiscard]] bool is_displaced() noexcept;
   [[nodiscard]] bool is_changed() noexcept;
   [[nodiscard]] bool breaks_off() noexcept;
   [[nodiscard]] bool is_incoherent() noexcept;
+  /// What a line saw of what the lines before had seen.
+  struct KnownShare {
+    double known = 0.0;
+    double sigma = 0.0;
+    bool has_risen = false;
+  };
+  [[nodiscard]] static KnownShare known_share(const MarkTally& tally) noexcept;
+  [[nodiscard]] bool breaks_off_from(const KnownShare& other, const KnownShare& line) const noexcept;
   void give_up(MotionEvent why) noexcept;
 
   MotionConfig config_;
@@ -125,8 +139,9 @@ class MotionDetector {
   std::array<std::optional<MotionEstimate>, 2> suspects_;  // of the last line, by MotionKind
   std::uint32_t suspect_ = 0;                              // lines in a row
   std::uint32_t incoherent_ = 0;                           // likewise
-  double known_share_ = 0.0;                               // of what the last line saw
-  bool is_broken_ = false;                                 // the last line: see breaks_off()
+  FixedVector<KnownShare, kFewLines> known_shares_;        // of the first lines but the very first
+  KnownShare last_known_;
+  bool is_broken_ = false;  // the last line: see breaks_off()
   bool has_moved_ = false;
   EventCounts<MotionEvent, kMotionEvents> counters_;
 };

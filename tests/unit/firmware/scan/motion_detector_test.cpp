@@ -212,6 +212,27 @@ TEST(MotionDetector, LiftedElsewhereAllHasChanged) {
   }
 }
 
+// Nothing stands for long in a scan of four lines: a sensor that was carried on in it had a fix, and brought
+// what it saw at two places into the map as one.
+TEST(MotionDetector, AScanOfFewLinesIsJudgedAtItsEnd) {
+  constexpr std::uint32_t kFew = 4;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    for (const std::uint32_t moved_at : {kFew, 1U, 2U, 3U}) {  // kFew: at rest
+      for (const Place& to : {Place{5.0, 0.0, 0.0}, Place{0.0, 0.0, 10.0 * kDegree}}) {
+        CarriedScene scene = grove(seed);
+        scene.path = jump(moved_at, to);
+        MotionDetector detector({});
+        detector.begin_scan();
+        for (std::uint32_t line = 0; line < kFew; ++line) {
+          detector.add(scene.sweep(line, (line - 1.0) * kTiltStep_rad));  // about the horizon
+        }
+        detector.end_scan();
+        EXPECT_EQ(detector.has_moved(), moved_at < kFew) << "seed " << seed << ", line " << moved_at << ", " << to.x_m << " m";
+      }
+    }
+  }
+}
+
 TEST(MotionDetector, ASlowCreepIsSeen) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     CarriedScene scene = grove(seed);
