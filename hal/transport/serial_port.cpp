@@ -67,13 +67,21 @@ namespace {
 
 constexpr std::string_view kKind = "serial port";
 
-constexpr std::array<std::string_view, 11> kEventNames = {
-    "opened",           "open_failed",           "hang_ups",
-    "io_errors",        "partial_writes",        "queue_full",
-    "oversized_writes", "rate_refused",          "low_latency_refused",
-    "rs485_refused",    "line_settings_restored"};
+constexpr std::array<std::string_view, 12> kEventNames = {"opened",
+                                                          "open_failed",
+                                                          "hang_ups",
+                                                          "io_errors",
+                                                          "partial_writes",
+                                                          "queue_full",
+                                                          "oversized_writes",
+                                                          "rate_refused",
+                                                          "low_latency_refused",
+                                                          "rs485_refused",
+                                                          "line_settings_restored",
+                                                          "name_moved"};
 
 constexpr Stamp kSettingsPeriod = std::chrono::milliseconds(100);
+constexpr Stamp kNamePeriod = std::chrono::seconds(1);
 
 bool is_hang_up(int error) noexcept {
   return error == 0 || error == EIO || error == ENXIO || error == ENODEV;
@@ -135,6 +143,7 @@ void SerialPort::service(Stamp now) noexcept {
   static_cast<void>(send_rest());
   apply_next_baud();
   keep_settings(now);
+  follow_name(now);
   if (is_lost_) {
     is_lost_ = false;
     timer_.lost(now);
@@ -229,7 +238,9 @@ void SerialPort::close() noexcept {
 
 void SerialPort::lose(SerialEvent why, int error) noexcept {
   counters_.count(why);
-  const std::string_view doing = why == SerialEvent::HangUp ? "hung up" : "read or write";
+  const std::string_view doing = why == SerialEvent::HangUp      ? "hung up"
+                                 : why == SerialEvent::NameMoved ? "its name leads to another device now"
+                                                                 : "read or write";
   problem_ = describe(kKind, config_.path, {doing, error, "check plug and cable; it is opened again"});
   close();
   is_lost_ = true;
@@ -358,6 +369,21 @@ void SerialPort::keep_settings(Stamp now) noexcept {
     static_cast<void>(failed_io(result.error));
   } else {
     flush_input(fd_);
+  }
+}
+
+/// The device behind a stable name may change while the old one stays there and is silent. A name that leads
+/// nowhere says nothing: the device itself tells when it goes.
+void SerialPort::follow_name(Stamp now) noexcept {
+  if (fd_ < 0 || now < name_due_) {
+    return;
+  }
+  name_due_ = now + kNamePeriod;
+  struct stat named {};
+  struct stat open {};
+  if (::stat(config_.path.c_str(), &named) == 0 && ::fstat(fd_, &open) == 0 && S_ISCHR(named.st_mode) &&
+      named.st_rdev != open.st_rdev) {
+    lose(SerialEvent::NameMoved, 0);
   }
 }
 

@@ -37,11 +37,13 @@ enum class SerialEvent : std::uint8_t {
   LowLatencyRefused,  ///< the driver has no such mode; a pseudo-terminal never has
   Rs485Refused,       ///< by a pseudo-terminal, which works without
   SettingsRestored,   ///< another program had changed the rate, the format or the mode
+  NameMoved,          ///< the path leads to another device than the one that is open
 };
 
 /// A terminal device as a raw line of bytes, this program's alone. It is opened by service(), at the first
-/// call and, with back-off, again after every loss, by the same path. What another program makes of its
-/// settings (only root can) is undone within a tenth of a second.
+/// call and, with back-off, again after every loss, by the same path; also within a second when that path
+/// leads to another device, as a stable name does after the cable was changed. What another program makes of
+/// its settings (only root can) is undone within a tenth of a second.
 class SerialPort final : public ByteLink {
  public:
   /// The most bytes that one write takes.
@@ -75,7 +77,7 @@ class SerialPort final : public ByteLink {
   [[nodiscard]] std::span<const Counter> counters() const noexcept override { return counters_.all(); }
 
  private:
-  static constexpr std::size_t kEvents = static_cast<std::size_t>(SerialEvent::SettingsRestored) + 1;
+  static constexpr std::size_t kEvents = static_cast<std::size_t>(SerialEvent::NameMoved) + 1;
 
   explicit SerialPort(const SerialConfig& config);
 
@@ -89,6 +91,7 @@ class SerialPort final : public ByteLink {
   [[nodiscard]] LinkStatus send_rest() noexcept;
   void apply_next_baud() noexcept;
   void keep_settings(Stamp now) noexcept;
+  void follow_name(Stamp now) noexcept;
 
   const SerialConfig config_;
   std::uint32_t baud_;
@@ -96,6 +99,7 @@ class SerialPort final : public ByteLink {
   int fd_ = -1;
   std::uint32_t epoch_ = 0;
   Stamp settings_due_{};  ///< when the terminal's settings are looked at next
+  Stamp name_due_{};      ///< when the path is looked up next
   bool is_lost_ = false;  ///< found lost since the last service()
   ReopenTimer timer_;
   ReopenProblem problem_;

@@ -177,6 +177,30 @@ TEST(SerialPort, WhatAnotherProgramMakesOfItsSettingsIsUndone) {
   EXPECT_EQ(port->epoch(), 1U);
 }
 
+// A stable name that leads to another adapter while the old one stays plugged in and is silent: the old one
+// was asked for ever.
+TEST(SerialPort, FollowsItsNameToAnotherDevice) {
+  PseudoTerminal terminal;
+  PseudoTerminal other;
+  const auto port = make(terminal.path());
+  Stamp now = std::chrono::seconds(1);
+  port->service(now);
+  ASSERT_TRUE(port->is_up());
+  port->service(now += std::chrono::seconds(2));
+  ASSERT_EQ(port->epoch(), 1U) << "the name is where it was";
+  std::filesystem::remove(terminal.path());
+  port->service(now += std::chrono::seconds(2));
+  ASSERT_EQ(port->epoch(), 1U) << "a name that leads nowhere says nothing of the device";
+  std::filesystem::create_symlink(std::filesystem::read_symlink(other.path()), terminal.path());
+  port->service(now += std::chrono::seconds(2));
+  EXPECT_EQ(counted(*port, SerialEvent::NameMoved), 1U);
+  EXPECT_THAT(std::string(port->problem()), HasSubstr("its name leads to another device now"));
+  port->service(now += std::chrono::seconds(1));
+  ASSERT_TRUE(port->is_up());
+  ASSERT_EQ(port->write(std::array<std::uint8_t, 1>{0x55}), LinkStatus::Ok);
+  EXPECT_EQ(other.read().size(), 1U);
+}
+
 TEST(SerialPort, SetsTheTerminal) {
   const PseudoTerminal terminal;
   SerialConfig config;
