@@ -142,6 +142,7 @@ void ReadingsWatch::begin_line() noexcept {
   readings_ = 0;
   is_same_ = true;
   is_none_ = true;
+  is_saturated_ = true;
 }
 
 void ReadingsWatch::add(const hal::RangeSample& sample) noexcept {
@@ -151,12 +152,16 @@ void ReadingsWatch::add(const hal::RangeSample& sample) noexcept {
   is_same_ = is_same_ && sample.told_m == first_.told_m && sample.range_m == first_.range_m &&
              sample.strength == first_.strength && sample.echo == first_.echo;
   is_none_ = is_none_ && sample.echo == hal::Echo::None;
+  is_saturated_ = is_saturated_ && sample.echo == hal::Echo::Saturated;
   tells_strength_ = tells_strength_ || sample.strength != 0.0;
 }
 
 ReadingsFinding ReadingsWatch::finding() const noexcept {
   if (readings_ < kReadingsLeast) {
     return ReadingsFinding::Varied;
+  }
+  if (is_saturated_) {
+    return ReadingsFinding::Saturated;
   }
   if (is_same_ && first_.echo != hal::Echo::None) {
     return ReadingsFinding::Stuck;
@@ -253,6 +258,10 @@ void ScanFailure::on_readings(const ReadingsWatch& watch) noexcept {
     case ReadingsFinding::Stuck:
       sentence << "of the scan are identical (" << watch.told_m()
                << " m): lens covered, or the device is stuck; clean it, switch it off and on";
+      break;
+    case ReadingsFinding::Saturated:
+      sentence << "of the scan are saturated, too bright to be measured: look for what shines back right "
+                  "before the lens, a window or a cap";
       break;
     case ReadingsFinding::Zero:
       sentence << "of the scan are distance 0 and strength 0: lens covered, or its receiver is dead; clean "

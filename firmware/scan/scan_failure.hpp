@@ -28,6 +28,7 @@ enum class ReadingsFinding : std::uint8_t {
   Varied,     ///< as in any place
   Stuck,      ///< all the same distance and strength
   Zero,       ///< all distance 0 and strength 0, of a device that tells strengths
+  Saturated,  ///< an echo too bright to be measured, in every direction
   OverRange,  ///< nothing within range in any direction: an empty place, or a covered lens
 };
 
@@ -46,7 +47,8 @@ class ReadingsWatch {
   hal::RangeSample first_;
   std::uint32_t readings_ = 0;
   bool is_same_ = true;
-  bool is_none_ = true;  // no echo in any reading
+  bool is_none_ = true;       // no echo in any reading
+  bool is_saturated_ = true;  // too bright an echo in each
   bool tells_strength_ = false;
 };
 
@@ -65,7 +67,8 @@ class ScanFailure {
   void on_pass() noexcept;
   /// All readings of the last line are alike: nothing can be made of the scan.
   [[nodiscard]] bool is_stuck() const noexcept {
-    return finding_ == ReadingsFinding::Stuck || finding_ == ReadingsFinding::Zero;
+    return finding_ == ReadingsFinding::Stuck || finding_ == ReadingsFinding::Zero ||
+           finding_ == ReadingsFinding::Saturated;
   }
 
   /// The head does not work, although its devices answer: from the first pass on that a blocked or refused

@@ -221,16 +221,16 @@ void SensorHead::end_pass(hal::Stamp now) noexcept {
     push(ScanAborted{scan_.scan, ScanAbort::LinesRejected});
     return;
   }
-  motion_.end_scan();
-  if (motion_.has_moved()) {
-    last_abort_ = ScanAbort::CarrierMoved;
-    push(ScanAborted{scan_.scan, ScanAbort::CarrierMoved});
-    return;
-  }
   doubt_ = judge_timing();
   if (doubt_) {
     last_abort_ = ScanAbort::TimingInDoubt;
     push(ScanAborted{scan_.scan, ScanAbort::TimingInDoubt});
+    return;
+  }
+  motion_.end_scan();
+  if (motion_.has_moved()) {
+    last_abort_ = ScanAbort::CarrierMoved;
+    push(ScanAborted{scan_.scan, ScanAbort::CarrierMoved});
     return;
   }
   scan_.middle = scan_.begin + (scan_.end - scan_.begin) / 2;

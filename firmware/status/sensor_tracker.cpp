@@ -49,6 +49,9 @@ SensorTracker::Judgement SensorTracker::judge(hal::Stamp now) const {
   if (now - made_ > hal::from_seconds(config_.stale_s)) {
     return {SensorState::Lost, core::FixReason::Stale};
   }
+  if (void_ == core::FixReason::Device) {
+    return {SensorState::Scanning, core::FixReason::NoScan};  // the head works again, and has scanned nothing
+  }
   if (void_) {
     return {SensorState::Lost, void_};
   }

@@ -103,6 +103,9 @@ std::string fix_phrase(const core::Fix& fix) {
 
 std::string fix_phrase(const SensorStatus& status) {
   const core::Fix& fix = status.report.fix;
+  if (status.state == SensorState::Held) {
+    return with_problem("no fix: scanning is held", status.head.problem.view());
+  }
   const bool is_of_head =
       fix.status != core::FixStatus::Fix &&
       (fix.reason == core::FixReason::Device || fix.reason == core::FixReason::TooFewLandmarks);

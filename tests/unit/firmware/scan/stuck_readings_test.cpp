@@ -71,6 +71,11 @@ TEST(StuckReadings, TheSameFaintDistanceEverywhereIsTold) {
   expect_stuck(stuck, "are identical \\(0.3 m\\): lens covered, or the device is stuck; .*");
 }
 
+TEST(StuckReadings, SaturatedReadingsEverywhereAreTold) {
+  StuckRig stuck({{}, 0.0, 65535.0, hal::Echo::Saturated, 0.0});
+  expect_stuck(stuck, "are saturated, too bright to be measured: look for what shines back .*");
+}
+
 TEST(StuckReadings, DistanceAndStrengthZeroEverywhereAreTold) {
   StuckRig stuck({{}, 0.0, 0.0, hal::Echo::None, 0.0});
   expect_stuck(stuck, "are distance 0 and strength 0: lens covered, or its receiver is dead; .*");

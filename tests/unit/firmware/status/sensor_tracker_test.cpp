@@ -97,7 +97,7 @@ TEST_F(SensorTrackerTest, ALostDeviceTakesTheFixAwayUntilTheNextScan) {
   tracker_.on_head(head_of(hal::DeviceState::Absent, hal::DeviceState::Ready));
   expect(SensorState::Faulted, FixStatus::NoFix, FixReason::Device, seconds(111));
   tracker_.on_head(ready_head());
-  expect(SensorState::Lost, FixStatus::NoFix, FixReason::Device, seconds(112));
+  expect(SensorState::Scanning, FixStatus::NoFix, FixReason::NoScan, seconds(112));
   tracker_.on_fix(good_fix(), seconds(113));
   expect(SensorState::Fixed, FixStatus::Fix, FixReason::None, seconds(114));
 }
@@ -110,7 +110,7 @@ TEST_F(SensorTrackerTest, HeldIsNoFix) {
   tracker_.on_head(held);
   expect(SensorState::Held, FixStatus::NoFix, FixReason::Device, seconds(111));
   tracker_.on_head(ready_head());
-  expect(SensorState::Lost, FixStatus::NoFix, FixReason::Device, seconds(112));
+  expect(SensorState::Scanning, FixStatus::NoFix, FixReason::NoScan, seconds(112));
 }
 
 TEST_F(SensorTrackerTest, AHeadThatMakesNoScansIsFaultedThoughItsDevicesAnswer) {
@@ -127,7 +127,7 @@ TEST_F(SensorTrackerTest, AHeadThatMakesNoScansIsFaultedThoughItsDevicesAnswer) 
   tracker_.on_head(failing);
   expect(SensorState::Held, FixStatus::NoFix, FixReason::Device, seconds(112));
   tracker_.on_head(ready_head());
-  expect(SensorState::Lost, FixStatus::NoFix, FixReason::Device, seconds(113));
+  expect(SensorState::Scanning, FixStatus::NoFix, FixReason::NoScan, seconds(113));
   tracker_.on_fix(good_fix(), seconds(114));
   expect(SensorState::Fixed, FixStatus::Fix, FixReason::None, seconds(115));
 }
