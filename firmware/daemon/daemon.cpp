@@ -142,7 +142,9 @@ constexpr std::array kVerbs = {
     ControlVerb{"scan now", "", parse_nothing, "one more scan, in mode single",
                 [](const Request&, Context& c) -> ControlOutcome {
                   ++c.threads.scan_orders().scans_requested;
-                  return done("scan requested");
+                  return done(c.threads.scan_orders().paused
+                                  ? "scan requested; scanning is paused: it is made after scan resume"
+                                  : "scan requested");
                 }},
     ControlVerb{"scan pause", "", parse_nothing, "stop scanning until scan resume",
                 [](const Request&, Context& c) -> ControlOutcome {
