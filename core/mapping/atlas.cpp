@@ -27,7 +27,8 @@ Atlas::Atlas(Arena& arena, const Config& config) noexcept
       confirmed_slots_(arena, "ties: landmark slots", config.capacities.scan_landmarks),
       found_(arena, "association: candidates", 1),
       weighed_(arena, "decision: weighed candidates", kCandidatesMax),
-      weighed_ties_(arena, "decision: weighed ties", kCandidatesMax) {
+      weighed_ties_(arena, "decision: weighed ties", kCandidatesMax),
+      path_before_(arena, "map: path before the restart", config.capacities.path_poses) {
   SLAMSENSOR_ASSERT(found_.try_resize(1));
   if (config.association.search == SearchMethod::Paper) {
     by_graph_.emplace(arena, config.association, config.capacities);
@@ -45,11 +46,12 @@ void Atlas::reset() noexcept {
   is_surveyed_ = has_fixed_ = is_home_replaced_ = false;
   scans_ = 0;
   jumps_ = 0;
-  maps_made_ = 0;
+  maps_made_ = restored_map_ = 0;
   landmarks_evicted_ = scans_taken_out_ = 0;
   twin_turn_ = room_turn_ = 0;
   closed_scan_ = linking_scans_ = steps_due_ = scans_since_step_ = blind_scans_ = 0;
   was_unseen_ = {};
+  path_before_.clear();
   ++revision_;
 }
 

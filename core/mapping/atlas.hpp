@@ -134,6 +134,7 @@ class Atlas {
   void note_places(MapSlot map, const Pose2& T_map_B) noexcept;
   [[nodiscard]] Verdict decide_in(MapSlot map, Stake stake, SearchEnd end) noexcept;
   [[nodiscard]] bool is_same_place(const Candidate& a, const Candidate& b) const noexcept;
+  [[nodiscard]] std::span<const PathPose> copy_path(std::span<PathPose> path) const noexcept;
   [[nodiscard]] bool is_new_spot(const Weighed& weighed) noexcept;
   void learn_from(const Weighed& weighed) noexcept;
   void learn_spread(const Weighed& weighed) noexcept;
@@ -211,6 +212,8 @@ class Atlas {
   BoundedVector<Candidates> found_;  // one
   BoundedVector<Weighed> weighed_;
   BoundedVector<Weighed> weighed_ties_;
+  BoundedVector<PathPose> path_before_;  // of the map that was restored, from before that
+  std::uint32_t restored_map_ = 0;       // its number
   Scan scan_;
   double sensor_reach_m_ = 0.0;  // the second farthest landmark of any scan: one may be nothing
   std::array<bool, kScanLandmarksMax>

@@ -142,15 +142,27 @@ MapState Atlas::copy_home(const MapRoom& room) const noexcept {
   }
   state.landmarks = landmarks;
   state.positions_W = positions;
+  state.path = copy_path(room.path);
+  return state;
+}
+
+/// The poses of the home map, after those from before a restart; of these the latest, as far as there is
+/// room.
+std::span<const PathPose> Atlas::copy_path(std::span<PathPose> path) const noexcept {
   std::size_t poses = 0;
+  graph_.visit_poses([&](std::uint32_t, const GraphPose& pose) { poses += pose.map == home_ ? 1 : 0; });
+  const std::size_t before = maps_[home_].number == restored_map_
+                                 ? std::min(path_before_.size(), path.size() - std::min(poses, path.size()))
+                                 : 0;
+  const auto kept = path_before_.span().last(before);
+  std::copy(kept.begin(), kept.end(), path.begin());
+  std::size_t count = before;
   graph_.visit_poses([&](std::uint32_t, const GraphPose& pose) {
-    if (pose.map == home_ && poses < room.path.size() &&
-        (poses == 0 || pose.scan > room.path[poses - 1].scan)) {
-      room.path[poses++] = {pose.scan, pose.xi, pose.T_W_B};
+    if (pose.map == home_ && count < path.size() && (count == 0 || pose.scan > path[count - 1].scan)) {
+      path[count++] = {pose.scan, pose.xi, pose.T_W_B};
     }
   });
-  state.path = room.path.first(poses);
-  return state;
+  return path.first(count);
 }
 
 MapCheck Atlas::restore(const MapState& state) noexcept {
@@ -165,7 +177,9 @@ MapCheck Atlas::restore(const MapState& state) noexcept {
   home_ = 0;
   has_fixed_ = true;  // the frame is known from before
   MapEntry& entry = maps_[0];
-  entry.number = ++maps_made_;
+  entry.number = restored_map_ = ++maps_made_;
+  SLAMSENSOR_ASSERT(path_before_.try_resize(state.path.size()));
+  std::copy(state.path.begin(), state.path.end(), path_before_.begin());
   entry.scans = std::max(2U, static_cast<std::uint32_t>(state.path.size()));
   entry.W = state.weight;
   scans_ = state.scans;

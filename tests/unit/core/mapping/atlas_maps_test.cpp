@@ -211,6 +211,26 @@ TEST(AtlasMaps, WhatWasLearnedComesBackWithTheMap) {
   ASSERT_TRUE(again.atlas->restore(kept.state).ok()) << "a map of a former version";
 }
 
+// The first save after a restart threw away the path of all scans before it.
+TEST(AtlasMaps, ThePathOfBeforeComesBackWithTheMap) {
+  Draw draw(32);
+  const Forest forest = tests::make_forest(250, draw);
+  AtlasRig rig;
+  (void)rig.drive(forest, {-40, 0}, {40, 0}, draw);
+  const AtlasRig::Kept kept = rig.keep();
+  ASSERT_GT(kept.state.path.size(), 5U);
+  AtlasRig again;
+  ASSERT_TRUE(again.atlas->restore(kept.state).ok());
+  EXPECT_EQ(again.keep().state.path.size(), kept.state.path.size());
+  (void)again.drive(forest, {-40, 0}, {40, 0}, draw);
+  const AtlasRig::Kept longer = again.keep();
+  ASSERT_GT(longer.state.path.size(), kept.state.path.size());
+  for (std::size_t i = 0; i < kept.state.path.size(); ++i) {
+    EXPECT_EQ(longer.state.path[i].scan, kept.state.path[i].scan);
+  }
+  EXPECT_TRUE(check_map(longer.state, atlas_config().capacities).ok());
+}
+
 TEST(AtlasMaps, AFlawedMapChangesNothing) {
   Draw draw(2);
   const Forest forest = tests::make_forest(250, draw);
