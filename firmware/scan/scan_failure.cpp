@@ -207,7 +207,7 @@ void ScanFailure::on_abort(const AbortedPass& pass) noexcept {
       tell_repetition(sentence, aborts_in_row_);
       sentence << ": ";
       tell_move(sentence, under_way(pass), "was seen last at");
-      sentence << "; check what blocks it, its supply, its cable";
+      sentence << "; check its supply and its cable";
       break;
     case ScanAbort::RangefinderLost:
       sentence << "rangefinder: it was lost in the scan";
