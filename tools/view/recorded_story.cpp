@@ -83,11 +83,20 @@ tl::expected<RecordedStory, InputError> RecordedStory::open(const std::filesyste
 
 SensorStory RecordedStory::fresh() const {
   SensorStory story(prefix_);
-  story.set_datum(datum_);
+  story.set_datum(datum_, datum_source_);
   if (map_) {
     story.on_map_file(*map_);
   }
   return story;
+}
+
+void RecordedStory::offer_datum(const std::optional<firmware::Datum>& datum) {
+  if (!datum_ && !(map_ && map_->about.datum)) {
+    datum_ = datum;
+    datum_source_ = DatumSource::Configuration;
+    story_ = fresh();
+    next_ = 0;
+  }
 }
 
 /// Runs through it once for the time line.
