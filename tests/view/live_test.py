@@ -170,11 +170,12 @@ class LiveTest(PageTest):
 
     def test_the_page_that_is_one_too_many_is_told(self):
         view = self.live()
-        links = [socket.create_connection(("127.0.0.1", view.port), 10) for _ in range(16)]
-        for link in links:
-            self.addCleanup(link.close)
-            link.sendall(f"GET /api/stream HTTP/1.1\r\nHost: 127.0.0.1:{view.port}\r\n\r\n".encode())
-            link.recv(12)
+        links = []
+        for _ in range(16):
+            links.append(socket.create_connection(("127.0.0.1", view.port), 10))
+            self.addCleanup(links[-1].close)
+            links[-1].sendall(f"GET /api/stream HTTP/1.1\r\nHost: 127.0.0.1:{view.port}\r\n\r\n".encode())
+            self.assertEqual(links[-1].recv(12), b"HTTP/1.1 200")
         page = self.look()
         page.open(view.url)
         page.wait("return document.getElementById('link').textContent === 'enough pages are open; close one'", "the reason")

@@ -251,6 +251,13 @@ class RecordingTest(PageTest):
     def test_files_that_are_no_recordings_are_refused(self):
         path = self.folder / "x.lcmlog"
         path.write_text("hello")
+        for name, words, status in ((self.folder / "none.lcm", "does not exist", 65), (self.folder, "is a folder", 65)):
+            done = subprocess.run([PROGRAM, "view", name], capture_output=True, text=True, timeout=60)
+            self.assertEqual(done.returncode, status)
+            self.assertIn(words, done.stderr)
+        done = subprocess.run([PROGRAM, "view", path, "--control-token-file", path], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 64)
+        self.assertIn("a recording cannot be controlled", done.stderr)
         done = subprocess.run([PROGRAM, "view", path], capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, 65)
         self.assertIn("x.lcmlog: is no recording", done.stderr)

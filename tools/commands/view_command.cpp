@@ -247,6 +247,9 @@ CommandResult show_recording(const Options& options, const Endpoint& at, const s
 }
 
 CommandResult run(const Options& options) {
+  if (!options.recording.empty() && !options.token_file.empty()) {
+    return fail("--control-token-file: a recording cannot be controlled; leave it out", EX_USAGE);
+  }
   const auto at = endpoint_of(options.listen);
   if (!at) {
     return tl::unexpected(at.error());

@@ -307,6 +307,13 @@ tl::expected<void, OutputError> draw_png(const std::filesystem::path& svg, const
                        : "could not draw it from " + svg.string())});
 }
 
+std::string is_picture_name(const std::string& name) {
+  const std::filesystem::path ending = std::filesystem::path(name).extension();
+  return ending == ".svg" || ending == ".png"
+             ? std::string()
+             : name + " is no picture that can be written: end it in .svg or .png";
+}
+
 tl::expected<void, OutputError> write_picture(const std::filesystem::path& path, std::string_view svg) {
   if (path.extension() != ".png") {
     return write_file(path, svg);

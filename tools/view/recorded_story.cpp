@@ -47,6 +47,13 @@ bool is_of_a_story(std::string_view channel, const std::string& prefix) {
 
 tl::expected<RecordedStory, InputError> RecordedStory::open(const std::filesystem::path& path,
                                                             const std::string& prefix) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) {
+    return refuse(path.string(), "does not exist; name a recording of ctl record, record or lcm-logger");
+  }
+  if (std::filesystem::is_directory(path, ignored)) {
+    return refuse(path.string(), "is a folder; name one of the recordings in it");
+  }
   if (!is_event_log_file(path)) {
     return refuse(path.string(), "is no recording; name one of ctl record, record or lcm-logger");
   }
