@@ -67,6 +67,7 @@ Json json_of(const core::Fix& fix) {
   out["weight_best"] = fix.weight_best;
   out["weight_runner_up"] = fix.weight_runner_up;
   out["jumps"] = fix.jumps;
+  out["home_replaced"] = fix.is_home_replaced;
   return out;
 }
 

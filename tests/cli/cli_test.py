@@ -176,6 +176,14 @@ class Cli(unittest.TestCase):
         self.assertEqual(edges, sorted(edges))
         self.assertIn("</svg>", (self.folder / "e.svg").read_text())
 
+    def test_pictures_are_svg_or_png(self):
+        for arguments in (["edges"], ["figure", "spiderweb", "x.pcd"], ["figure", "scanline", "x.pcd"]):
+            out = self.folder / "e.pdf"
+            code, _, errors = run(*arguments, "--out", out)
+            self.assertEqual(code, USAGE, errors)
+            self.assertIn(".svg or .png", errors)
+            self.assertFalse(out.exists())
+
     def test_figures_of_scans_are_drawn(self):
         for number in (1, 2):
             rows = ["pan_deg,tilt_deg,range_m"]

@@ -143,6 +143,15 @@ class MapFiles(unittest.TestCase):
             self.assertAlmostEqual(x, east - 545_000.0, places=4)
             self.assertAlmostEqual(y, north - 4_701_000.0, places=4)
 
+    def test_degrees_take_no_origin(self):
+        survey = self.folder / "degrees.csv"
+        survey.write_text("Lat,Lng\n-35.1,149.1\n-35.1001,149.1001\n-35.1002,149.1003\n")
+        out = self.folder / "a.slammap"
+        code, _, errors = run("map", "import", survey, "--out", out, "--origin", 1, 2)
+        self.assertEqual(code, USAGE, errors)
+        self.assertIn("--datum", errors)
+        self.done("map", "import", survey, "--out", out)
+
     def test_errors_name_file_line_and_remedy(self):
         self.refused("1,2\n3,4\n", "bad.csv:1: ", "--columns X Y")
         self.refused("# made by hand\nx_m,y_m\n1,2\n3,east\n5,6\n", "bad.csv:4: ", 'east')

@@ -3,6 +3,7 @@ import argparse
 import math
 import pathlib
 import random
+import socket
 import subprocess
 import sys
 import threading
@@ -106,6 +107,48 @@ class Listening(unittest.TestCase):
             process.kill()
         self.assertEqual(process.returncode, 0)
         self.assertRegex(output, r"^from 0\.00 0\.00 0\.0 to 9\.00 9\.00: 1[23]\.\d\d m, 1\.21 m clear: 0\.00,0\.00 .* 9\.00,9\.00\n$")
+
+
+class Mistakes(unittest.TestCase):
+    """What a user mistypes, or who is not there, is one line and a status; never a traceback."""
+
+    def run_example(self, *arguments):
+        done = subprocess.run([sys.executable, "-B", TREE / "tools" / "examples" / arguments[0], *arguments[1:]],
+                              capture_output=True, text=True, timeout=30)
+        self.assertNotIn("Traceback", done.stderr)
+        return done.returncode, done.stderr.strip().split("\n")[-1]
+
+    def test_of_the_command_line(self):
+        for words in (["nan", "1"], ["1", "inf"], ["1", "1", "--url", "x"], ["1", "1", "--url", "udpm://a:b"],
+                      ["1", "1", "--carrier-radius", "-1"], ["1", "1", "--carrier-radius", "0", "--landmark-radius", "0"]):
+            status, line = self.run_example("plan_path.py", *words)
+            self.assertEqual(status, 2, words)
+            self.assertIn("plan_path.py: error: ", line)
+        for word in ("x", "tcp://host:port", "tcp://"):
+            self.assertEqual(self.run_example("read_pose.py", word),
+                             (64, f"read_pose.py: {word} is neither udpm://GROUP:PORT nor tcp://HOST:PORT"))
+
+    def test_nobody_listens(self):
+        self.assertEqual(self.run_example("read_pose.py", "tcp://127.0.0.1:1"), (69, "read_pose.py: tcp://127.0.0.1:1: Connection refused"))
+        self.assertEqual(self.run_example("plan_path.py", "1", "1", "--url", "udpm://192.0.2.1:7667")[0], 69)
+
+    def test_who_reads_the_poses_may_end_first(self):
+        body = "PSLMA,POSE,030838.00,A,S,0,-7.030,13.003,54.938,0.127,0.41,1,21,27,2,1,0.67"
+        checksum = 0
+        for character in body.encode():
+            checksum ^= character
+        with socket.create_server(("127.0.0.1", 0)) as server:
+            process = subprocess.Popen([sys.executable, "-B", TREE / "tools" / "examples" / "read_pose.py",
+                                        f"tcp://127.0.0.1:{server.getsockname()[1]}"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            link, _ = server.accept()
+            with link:
+                link.sendall(f"${body}*{checksum:02X}\r\n".encode())
+                self.assertIn(" fix -7.030", process.stdout.readline())
+                process.stdout.close()
+                link.sendall(f"${body}*{checksum:02X}\r\n".encode() * 2)
+                self.assertEqual(process.wait(timeout=30), -13)
+            self.assertEqual(process.stderr.read(), "")
+            process.stderr.close()
 
 
 if __name__ == "__main__":

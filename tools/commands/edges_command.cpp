@@ -103,6 +103,7 @@ void add_edges(CLI::App& app, CommandResult& result) {
       ->capture_default_str();
   verb->add_option("--seed", options->seed, "of the first set")->capture_default_str();
   verb->add_option("--out", options->out, "draw the curve to this file, SVG or PNG")
+      ->check(is_picture_name)
       ->type_name("F.svg|F.png");
   verb->callback([options, &result] { result = run(*options); });
 }

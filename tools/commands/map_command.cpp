@@ -216,11 +216,15 @@ void print_import(const SurveyMap& made, const Survey& survey, const std::filesy
   const firmware::MapFile& map = made.map;
   std::printf("file       %s\n", path.c_str());
   std::printf("landmarks  %zu, xi 0, ids %s; %s\n", map.landmarks.size(),
-              made.are_ids_kept ? "of the survey" : "given in its order",
+              made.id_problem.empty() ? "of the survey" : ("given in its order: " + made.id_problem).c_str(),
               map.about.frozen ? "frozen: a sensor localises in it and does not change it" : "it may grow");
   if (survey.passed_over > 0 || made.at_one_place > 0) {
     std::printf("left out   %zu rows or features that are no points asked for, %zu within 1 cm of another\n",
                 survey.passed_over, made.at_one_place);
+  }
+  if (!survey.degrees_not_read.empty()) {
+    std::printf("not read   the columns in degrees, as there are some in metres; --columns %s reads them\n",
+                survey.degrees_not_read.c_str());
   }
   if (!map.about.datum) {
     std::printf("datum      none: the map's metres are those of the survey (--datum gives it a place)\n");
@@ -248,6 +252,12 @@ CommandResult run_import(const ImportOptions& options) {
   const auto survey = read_survey(options.survey, *columns);
   if (!survey) {
     return fail(survey.error().message);
+  }
+  if (survey->frame == SurveyFrame::Wgs84 && !options.origin_m.empty()) {
+    return fail(
+        "--origin: it is subtracted from metres, and this survey is in degrees; --datum says where the "
+        "map's origin lies",
+        EX_USAGE);
   }
   SurveyMapWishes wishes{*datum, core::Point2::Zero(), !options.growing};
   if (!options.origin_m.empty()) {
@@ -299,7 +309,8 @@ void add_map_import(CLI::App& map, CommandResult& result) {
   verb->add_option("--out", options->out, "the map: a name in the store, or a file NAME.slammap")
       ->required()
       ->type_name("NAME");
-  verb->add_option("--columns", options->columns, "the columns of a CSV that hold the metres")
+  verb->add_option("--columns", options->columns,
+                   "the columns of a CSV that hold the metres, or the degrees: latitude, longitude")
       ->expected(2)
       ->type_name("X Y");
   verb->add_option("--where", options->where, "only the rows of a CSV whose column has that value")

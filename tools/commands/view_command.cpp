@@ -5,14 +5,18 @@
 #include "tools/control/ctl.hpp"
 #include "tools/input/text.hpp"
 #include "tools/spy/lcm_receiver.hpp"
+#include "tools/view/daemon_facts.hpp"
 #include "tools/view/view_server.hpp"
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+#include <condition_variable>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <mutex>
 #include <poll.h>
 #include <string>
 #include <thread>
@@ -25,6 +29,8 @@ constexpr std::chrono::milliseconds kWait(100);
 constexpr hal::Stamp kJoinAgain = std::chrono::seconds(1);
 constexpr int kMessagesAtOnce = 2'000;  // a flood must not keep pages from the story
 constexpr std::size_t kTokenMin = 16;
+constexpr const char* kMakeToken = "head -c 24 /dev/urandom | base64";
+constexpr std::chrono::seconds kAskAgain(2);  // what `ctl datum set` did shows as soon
 
 struct Options {
   ConfigOptions config;
@@ -71,9 +77,13 @@ tl::expected<std::string, CommandError> read_token(const std::filesystem::path& 
     return fail(text.error().message, EX_NOINPUT);
   }
   std::string token(trim(std::string_view(*text).substr(0, text->find('\n'))));
+  if (std::any_of(token.begin(), token.end(), [](char c) { return c < ' ' || c > '~'; })) {
+    return fail(path.string() + ": a token has only printable ASCII characters; make one: " + kMakeToken,
+                EX_DATAERR);
+  }
   if (token.size() < kTokenMin) {
     return fail(path.string() + ": the token has " + std::to_string(token.size()) + " characters and needs " +
-                    std::to_string(kTokenMin) + "; make one: head -c 24 /dev/urandom | base64",
+                    std::to_string(kTokenMin) + "; make one: " + kMakeToken,
                 EX_DATAERR);
   }
   return token;
@@ -142,6 +152,36 @@ class Listener {
   std::jthread thread_;
 };
 
+/// Keeps the live story to the facts of the daemon at `socket` until it is destroyed.
+class Inquirer {
+ public:
+  Inquirer(std::string socket, DaemonFacts configured, ViewServer::Live& live)
+      : socket_(std::move(socket)),
+        configured_(std::move(configured)),
+        live_(live),
+        thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+ private:
+  void run(const std::stop_token& stop) {
+    std::mutex mutex;
+    std::condition_variable_any wake;
+    std::unique_lock lock(mutex);
+    while (!stop.stop_requested()) {
+      const auto facts = ask_facts(socket_);
+      {
+        const std::lock_guard live_lock(live_.mutex);
+        set_facts(facts, configured_, live_.story);
+      }
+      wake.wait_for(lock, stop, kAskAgain, [] { return false; });
+    }
+  }
+
+  std::string socket_;
+  DaemonFacts configured_;
+  ViewServer::Live& live_;
+  std::jthread thread_;
+};
+
 /// Serves until SIGINT or SIGTERM, which all threads have blocked.
 CommandResult serve(ViewServer& server, const Endpoint& at, const sigset_t& signals, const char* what) {
   const auto port = server.bind(at.address, at.port);
@@ -180,11 +220,11 @@ CommandResult show_live(const Options& options, const Endpoint& at, const sigset
   const std::string prefix = options.prefix.empty() ? daemon.lcm.prefix : options.prefix;
   const std::string socket = options.socket.empty() ? daemon.control.socket : options.socket;
   ViewServer::Live live{SensorStory(prefix), {}, {}};
-  live.story.set_datum(loaded->config.datum);
   const bool has_token = !token->empty();
   ViewServer server(
       live, {std::move(*token), [&](const std::string& request) { return ask_daemon(socket, request); }});
   const Listener listener(std::move(*url), live);
+  const Inquirer inquirer(socket, {0, loaded->config.datum, daemon.fix.stale_s}, live);
   return serve(server, at, signals, has_token ? "control with the token" : "read-only");
 }
 
@@ -194,6 +234,11 @@ CommandResult show_recording(const Options& options, const Endpoint& at, const s
   if (!recording) {
     return fail(recording.error().message, EX_DATAERR);
   }
+  const auto loaded = load(options.config);
+  if (!loaded) {
+    return tl::unexpected(loaded.error());
+  }
+  recording->offer_datum(loaded->config.datum);
   if (!recording->warning().empty()) {
     std::fprintf(stderr, "slamsensor: %s\n", recording->warning().c_str());
   }
@@ -202,6 +247,9 @@ CommandResult show_recording(const Options& options, const Endpoint& at, const s
 }
 
 CommandResult run(const Options& options) {
+  if (!options.recording.empty() && !options.token_file.empty()) {
+    return fail("--control-token-file: a recording cannot be controlled; leave it out", EX_USAGE);
+  }
   const auto at = endpoint_of(options.listen);
   if (!at) {
     return tl::unexpected(at.error());
@@ -231,8 +279,10 @@ void add_view(CLI::App& app, CommandResult& result) {
   verb->add_option("--prefix", options->prefix, "of the sensor's channels; else lcm.prefix");
   verb->add_option("--socket", options->socket, "the daemon's control socket; else control.socket")
       ->type_name("PATH");
-  verb->add_option("--control-token-file", options->token_file,
-                   "its first line lets a page scan, save, freeze and record; without it pages are read-only")
+  verb->add_option(
+          "--control-token-file", options->token_file,
+          "its first line, 16 characters or more, lets a page scan, save, freeze and record; without "
+          "it pages are read-only")
       ->type_name("FILE");
   verb->callback([options, &result] { result = run(*options); });
 }

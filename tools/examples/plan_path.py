@@ -18,6 +18,8 @@ The way is that of A* on a grid, with its corners cut as far as nothing is in th
 import argparse
 import heapq
 import math
+import os
+import signal
 import socket
 import struct
 import sys
@@ -187,18 +189,47 @@ def told(sensor, goal, arguments):
     return begin + f"{length:.2f} m, {radius_m:.2f} m clear: " + " ".join(f"{a:.2f},{b:.2f}" for a, b in way)
 
 
+def finite(text):
+    value = float(text)
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text} is no finite number")
+    return value
+
+
+def radius(text):
+    value = finite(text)
+    if value < 0.0:
+        raise argparse.ArgumentTypeError(f"{text} is negative")
+    return value
+
+
+def network(text):
+    """Group and port of udpm://GROUP:PORT."""
+    url = urlsplit(text)
+    group, port = url.hostname or "239.255.76.67", url.port or 7667
+    socket.inet_aton(group)
+    if url.scheme != "udpm":
+        raise ValueError
+    return group, port
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("x", type=float, help="of the goal in the home map, m")
-    parser.add_argument("y", type=float)
-    parser.add_argument("--url", default="udpm://239.255.76.67:7667", help="the LCM network")
-    parser.add_argument("--landmark-radius", type=float, default=0.4, help="of each landmark, m")
-    parser.add_argument("--carrier-radius", type=float, default=0.5, help="of the circle around the carrier, m")
+    parser.add_argument("x", type=finite, help="of the goal in the home map, m")
+    parser.add_argument("y", type=finite)
+    parser.add_argument("--url", default="udpm://239.255.76.67:7667", metavar="udpm://GROUP:PORT", help="the LCM network")
+    parser.add_argument("--landmark-radius", type=radius, default=0.4, help="of each landmark, m")
+    parser.add_argument("--carrier-radius", type=radius, default=0.5, help="of the circle around the carrier, m")
     parser.add_argument("--once", action="store_true", help="end after the first plan from a fix in a whole map")
     arguments = parser.parse_args()
-    url = urlsplit(arguments.url)
+    try:
+        group, port = network(arguments.url)
+    except (ValueError, OSError):
+        parser.error(f"{arguments.url} is no udpm://GROUP:PORT")
+    if arguments.landmark_radius + arguments.carrier_radius == 0.0:
+        parser.error("one of the radii must be more than 0")
     sensor, seen = Sensor(), False
-    for message in messages(url.hostname or "239.255.76.67", url.port or 7667):
+    for message in messages(group, port):
         seen = sensor.take(message) or seen
         if seen and sensor.whole:
             seen = False
@@ -210,7 +241,11 @@ def main():
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # who reads the lines may end first
     try:
         sys.exit(main())
     except KeyboardInterrupt:
         pass
+    except OSError as error:
+        print(f"plan_path.py: {error.strerror or error}", file=sys.stderr)
+        sys.exit(os.EX_UNAVAILABLE)

@@ -9,6 +9,8 @@ A line per pose: seconds since 1970, status, x (m), y (m), heading (degrees, cou
 number of the map, protection radius (m); those only where there is a fix, or the better of two places."""
 import calendar
 import math
+import os
+import signal
 import socket
 import struct
 import sys
@@ -73,16 +75,32 @@ def read_nmea(host, port):
         show(calendar.timegm(moment) + float("0." + fraction), status, pose)
 
 
+def fail(text, status):
+    print(f"read_pose.py: {text}", file=sys.stderr)
+    return status
+
+
 def main():
-    url = urlsplit(sys.argv[1] if len(sys.argv) > 1 else "udpm://239.255.76.67:7667")
-    if url.scheme == "tcp":
-        read_nmea(url.hostname, url.port or 10110)
-    else:
-        read_lcm(url.hostname or "239.255.76.67", url.port or 7667)
+    text = sys.argv[1] if len(sys.argv) > 1 else "udpm://239.255.76.67:7667"
+    try:
+        url = urlsplit(text)
+        host, port = url.hostname, url.port
+    except ValueError:
+        host, port, url = None, None, urlsplit("")
+    if url.scheme not in ("tcp", "udpm") or (url.scheme == "tcp" and not host):
+        return fail(f"{text} is neither udpm://GROUP:PORT nor tcp://HOST:PORT", os.EX_USAGE)
+    try:
+        if url.scheme == "udpm":
+            read_lcm(host or "239.255.76.67", port or 7667)
+        read_nmea(host, port or 10110)
+    except OSError as error:
+        return fail(f"{text}: {error.strerror or error}", os.EX_UNAVAILABLE)
+    return fail(f"{text}: the connection was closed", os.EX_UNAVAILABLE)
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # who reads the lines may end first
     try:
-        main()
+        sys.exit(main())
     except KeyboardInterrupt:
         pass

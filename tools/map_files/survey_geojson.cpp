@@ -109,7 +109,8 @@ class GeoJsonReader {
       ++survey_.passed_over;
       return {};
     }
-    id_ = properties != nullptr ? id_of(*properties) : std::nullopt;
+    const auto own_id = properties != nullptr ? id_of(*properties) : std::nullopt;
+    id_ = own_id ? own_id : id_of(feature);
     return geometry(*own_geometry);
   }
 
@@ -117,6 +118,9 @@ class GeoJsonReader {
     const std::string type = text_of(geometry, "type");
     if (!geometry.is_null() && type.empty()) {
       return fail("a geometry needs a \"type\" that is a text, such as \"Point\"");
+    }
+    if (type == "GeometryCollection") {
+      return collection(geometry);
     }
     if (type != "Point" && type != "MultiPoint") {
       ++survey_.passed_over;  // a line, an area, nothing: no landmark
@@ -138,10 +142,23 @@ class GeoJsonReader {
   }
 
  private:
+  tl::expected<void, InputError> collection(const Json& collection) {
+    const Json* const geometries = member(collection, "geometries");
+    if (geometries == nullptr || !geometries->is_array()) {
+      return fail("a GeometryCollection needs \"geometries\": [...], a list of its geometries");
+    }
+    for (const Json& one : *geometries) {  // the parser has bounded how deep they nest
+      if (auto taken = geometry(one); !taken) {
+        return taken;
+      }
+    }
+    return {};
+  }
+
   tl::unexpected<InputError> fail(const std::string& what) const { return refuse_line(name_, line_, what); }
 
-  static std::optional<std::int64_t> id_of(const Json& properties) {
-    const Json* const id = member(properties, "id");
+  static std::optional<std::int64_t> id_of(const Json& object) {
+    const Json* const id = member(object, "id");
     const bool is_number = id != nullptr && id->is_number_unsigned() &&
                            id->get<std::uint64_t>() <= std::numeric_limits<std::int64_t>::max();
     return is_number ? std::optional(id->get<std::int64_t>()) : std::nullopt;

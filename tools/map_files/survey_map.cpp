@@ -12,7 +12,9 @@
 #include <initializer_list>
 #include <iterator>
 #include <limits>
-#include <set>
+#include <map>
+#include <optional>
+#include <span>
 #include <utility>
 
 namespace slamsensor::tools {
@@ -24,31 +26,75 @@ constexpr CsvRange kGrid{-1e8, 1e8, "m"};
 constexpr CsvRange kLatitude{-90.0, 90.0, "deg"};
 constexpr CsvRange kLongitude{-180.0, 180.0, "deg"};
 
-/// Two columns that say where a point is, by one of the usual pairs of names.
+/// Two columns that say where a point is: x and y, or latitude and longitude.
 struct NamePair {
   std::string_view first;
   std::string_view second;
   SurveyFrame frame;
 };
-constexpr std::array<NamePair, 8> kPairs{{
-    {"x_m", "y_m", SurveyFrame::LocalMetres},
-    {"x", "y", SurveyFrame::LocalMetres},
-    {"X", "Y", SurveyFrame::LocalMetres},
-    {"easting", "northing", SurveyFrame::LocalMetres},
-    {"latitude_deg", "longitude_deg", SurveyFrame::Wgs84},
-    {"latitude", "longitude", SurveyFrame::Wgs84},
-    {"lat", "lon", SurveyFrame::Wgs84},
-    {"Latitude", "Longitude", SurveyFrame::Wgs84},
-}};
+constexpr std::array<NamePair, 3> kMetrePairs{{{"x_m", "y_m", SurveyFrame::LocalMetres},
+                                               {"x", "y", SurveyFrame::LocalMetres},
+                                               {"easting", "northing", SurveyFrame::LocalMetres}}};
+constexpr std::array<std::string_view, 3> kLatitudeNames{"latitude_deg", "latitude", "lat"};
+constexpr std::array<std::string_view, 5> kLongitudeNames{"longitude_deg", "longitude", "lon", "long", "lng"};
+
+bool is_same_name(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [&](char one, char other) { return lower(one) == lower(other); });
+}
+
+bool is_one_of(std::string_view name, std::span<const std::string_view> names) {
+  return std::any_of(names.begin(), names.end(), [&](std::string_view n) { return is_same_name(n, name); });
+}
+
+/// The usual pairs, metres first, as the first line of the table spells them.
+std::vector<NamePair> pairs_in(std::span<const std::string_view> header) {
+  const auto spelled = [&](auto&& is_it) {
+    const auto found = std::find_if(header.begin(), header.end(), is_it);
+    return found == header.end() ? std::string_view() : *found;
+  };
+  std::vector<NamePair> pairs;
+  const auto add = [&](std::string_view first, std::string_view second, SurveyFrame frame) {
+    if (!first.empty() && !second.empty()) {
+      pairs.push_back({first, second, frame});
+    }
+  };
+  for (const NamePair& pair : kMetrePairs) {
+    add(spelled([&](std::string_view name) { return is_same_name(name, pair.first); }),
+        spelled([&](std::string_view name) { return is_same_name(name, pair.second); }), pair.frame);
+  }
+  add(spelled([](std::string_view name) { return is_one_of(name, kLatitudeNames); }),
+      spelled([](std::string_view name) { return is_one_of(name, kLongitudeNames); }), SurveyFrame::Wgs84);
+  return pairs;
+}
+
+/// What --columns names: degrees where both names say so, in either order, else metres; nothing when one
+/// alone says degrees.
+std::optional<NamePair> pair_of(const SurveyColumns& wanted) {
+  const auto is_degrees = [](std::string_view name) {
+    return is_one_of(name, kLatitudeNames) || is_one_of(name, kLongitudeNames);
+  };
+  if (is_one_of(wanted.x, kLatitudeNames) && is_one_of(wanted.y, kLongitudeNames)) {
+    return NamePair{wanted.x, wanted.y, SurveyFrame::Wgs84};
+  }
+  if (is_one_of(wanted.x, kLongitudeNames) && is_one_of(wanted.y, kLatitudeNames)) {
+    return NamePair{wanted.y, wanted.x, SurveyFrame::Wgs84};
+  }
+  return is_degrees(wanted.x) || is_degrees(wanted.y)
+             ? std::nullopt
+             : std::optional(NamePair{wanted.x, wanted.y, SurveyFrame::LocalMetres});
+}
 
 /// The columns that one reading of a table asks for; it outlives the reader.
 class SurveyTable {
  public:
-  explicit SurveyTable(const SurveyColumns& wanted) : wanted_(wanted) {
+  SurveyTable(const SurveyColumns& wanted, std::string_view text) : wanted_(wanted) {
+    LineReader lines(text);
     if (!wanted.x.empty()) {
-      pairs_.push_back({wanted.x, wanted.y, SurveyFrame::LocalMetres});
-    } else {
-      pairs_.assign(kPairs.begin(), kPairs.end());
+      pairs_.push_back(pair_of(wanted).value_or(NamePair{}));
+    } else if (const auto header = read_csv_header(lines)) {
+      pairs_ = pairs_in(header->columns);
     }
     for (const NamePair& pair : pairs_) {
       columns_.push_back({pair.first, CsvNeed::Optional});
@@ -62,6 +108,11 @@ class SurveyTable {
   }
 
   tl::expected<Survey, InputError> read(std::string_view text, std::string_view name) {
+    if (!wanted_.x.empty() && pairs_.front().first.empty()) {
+      return refuse(name, "--columns " + wanted_.x + ' ' + wanted_.y +
+                              ": one of them means degrees and the other does not; name a latitude and a "
+                              "longitude, or two columns in metres");
+    }
     auto csv = CsvReader::open(text, name, columns_, CsvOthers::Ignored);
     if (!csv) {
       return tl::unexpected(std::move(csv.error()));
@@ -71,6 +122,9 @@ class SurveyTable {
     }
     Survey survey;
     survey.frame = pairs_[pair_].frame;
+    if (survey.frame == SurveyFrame::LocalMetres && pairs_.back().frame == SurveyFrame::Wgs84) {
+      survey.degrees_not_read = std::string(pairs_.back().first) + ' ' + std::string(pairs_.back().second);
+    }
     const auto take_row = [&]() -> tl::expected<void, InputError> {
       if (!is_wanted(*csv)) {
         ++survey.passed_over;
@@ -118,8 +172,9 @@ class SurveyTable {
     }
     return refuse_line(
         name, csv.line(),
-        "the first line names no columns x_m,y_m and no latitude_deg,longitude_deg; add a line "
-        "of names, or name the columns of the file with --columns X Y");
+        "the first line names no columns x_m,y_m (or x,y; easting,northing) and no "
+        "latitude_deg,longitude_deg (or lat,lon; latitude,longitude); add a line of names, or name the "
+        "columns of the file with --columns X Y");
   }
 
   [[nodiscard]] bool is_wanted(const CsvReader& csv) const {
@@ -161,7 +216,7 @@ class SurveyTable {
 
 tl::expected<Survey, InputError> parse_survey_csv(std::string_view text, std::string_view name,
                                                   const SurveyColumns& columns) {
-  return SurveyTable(columns).read(text, name);
+  return SurveyTable(columns, text).read(text, name);
 }
 
 tl::expected<Survey, InputError> read_survey(const std::filesystem::path& path,
@@ -202,11 +257,26 @@ firmware::Datum middle_of(const std::vector<SurveyPoint>& points) {
   return datum;
 }
 
-bool have_own_ids(const std::vector<SurveyPoint>& points) {
-  std::set<std::int64_t> ids;
-  return std::all_of(points.begin(), points.end(), [&](const SurveyPoint& point) {
-    return point.id && *point.id <= kIdMax && ids.insert(*point.id).second;
-  });
+/// Why the points cannot keep the ids of the survey; empty when they can.
+std::string id_problem(const std::vector<SurveyPoint>& points) {
+  if (std::none_of(points.begin(), points.end(), [](const SurveyPoint& point) { return point.id; })) {
+    return "the survey has none";
+  }
+  std::map<std::int64_t, std::size_t> lines;
+  for (const SurveyPoint& point : points) {
+    const std::string where = "line " + std::to_string(point.line);
+    if (!point.id) {
+      return where + " has no id that is a whole number";
+    }
+    const std::string id = "the id " + std::to_string(*point.id);
+    if (*point.id > kIdMax) {
+      return where + " has " + id + ", which is more than " + std::to_string(kIdMax);
+    }
+    if (const auto [first, is_new] = lines.emplace(*point.id, point.line); !is_new) {
+      return where + " has " + id + " of line " + std::to_string(first->second) + " once more";
+    }
+  }
+  return {};
 }
 
 std::string out_of_reach_text(const core::Point2& point_W, SurveyFrame frame, const core::Point2& first_m) {
@@ -236,7 +306,8 @@ tl::expected<SurveyMap, InputError> map_of_survey(const Survey& survey, std::str
   if (!is_local) {
     earth.emplace(*about.datum);
   }
-  made.are_ids_kept = have_own_ids(survey.points);
+  made.id_problem = id_problem(survey.points);
+  const bool are_ids_kept = made.id_problem.empty();
   Places places(kOnePlace_m);
   std::vector<std::pair<std::uint32_t, core::Point2>> landmarks;
   for (const SurveyPoint& point : survey.points) {
@@ -250,7 +321,7 @@ tl::expected<SurveyMap, InputError> map_of_survey(const Survey& survey, std::str
       continue;
     }
     const auto next = static_cast<std::uint32_t>(landmarks.size());
-    landmarks.emplace_back(made.are_ids_kept ? static_cast<std::uint32_t>(*point.id) : next, point_W);
+    landmarks.emplace_back(are_ids_kept ? static_cast<std::uint32_t>(*point.id) : next, point_W);
   }
   if (landmarks.size() < 3) {
     return refuse(name, "holds " + std::to_string(landmarks.size()) +

@@ -40,19 +40,20 @@ struct Survey {
   SurveyFrame frame = SurveyFrame::LocalMetres;
   std::optional<firmware::Datum> datum;  ///< that the file itself names
   std::vector<SurveyPoint> points;       ///< at least one
-  std::size_t passed_over = 0;  ///< rows or features that are no points of the survey: paths, other plots
+  std::size_t passed_over = 0;   ///< rows or features that are no points of the survey: paths, other plots
+  std::string degrees_not_read;  ///< the names of its columns in degrees, where those in metres are read
 };
 
 /// A table with a first line of column names: `x_m,y_m` (also x,y; easting,northing) in metres or
-/// `latitude_deg,longitude_deg` (also lat,lon; latitude,longitude), and maybe `id` and `kind` (rows of
-/// another kind than `landmark` are passed over). Other columns are ignored. An error names file, line and
-/// remedy.
+/// `latitude_deg,longitude_deg` (also lat,lon; latitude,longitude; lng, long), in small or capital letters,
+/// and maybe `id` and `kind` (rows of another kind than `landmark` are passed over). Other columns are
+/// ignored. An error names file, line and remedy.
 [[nodiscard]] tl::expected<Survey, InputError> parse_survey_csv(std::string_view text, std::string_view name,
                                                                 const SurveyColumns& columns);
 
-/// The points of a GeoJSON (Feature, FeatureCollection, Point, MultiPoint); other geometries are passed over.
-/// WGS 84, unless the file says "crs": null or names an ENGCRS, as `map export` does. An error names file,
-/// line and remedy.
+/// The points of a GeoJSON (Feature, FeatureCollection, Point, MultiPoint, GeometryCollection); other
+/// geometries are passed over. WGS 84, unless the file says "crs": null or names an ENGCRS, as `map export`
+/// does. An error names file, line and remedy.
 [[nodiscard]] tl::expected<Survey, InputError> parse_survey_geojson(std::string_view text,
                                                                     std::string_view name);
 
@@ -70,7 +71,7 @@ struct SurveyMapWishes {
 struct SurveyMap {
   firmware::MapFile map;            ///< without a name
   std::size_t at_one_place = 0;     ///< points left out: within a centimetre of one before them
-  bool are_ids_kept = false;        ///< the landmarks have the ids of the survey
+  std::string id_problem;           ///< why the landmarks have not the ids of the survey; empty: they have
   bool is_datum_of_points = false;  ///< nobody named a datum: it is the middle of the points
 };
 

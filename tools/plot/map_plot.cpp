@@ -271,7 +271,6 @@ constexpr double kRow_px = 19.0;
 constexpr double kSample_px = 26.0;
 constexpr double kSwatchWidth_px = 16.0;
 constexpr double kSwatchHeight_px = 13.0;
-constexpr double kScaleMax_px = 120.0;
 
 // Writes the key from top to bottom.
 class Key {
@@ -351,24 +350,17 @@ double colour_bar(SvgWriter& svg, const MapPlot& plot, core::Point2 corner_px) {
   return corner_px.y();
 }
 
-double scale_bar(SvgWriter& svg, const MapPanel& frame, const core::Point2& corner_px) {
-  const double length_m = round_step_down(kScaleMax_px / frame.px_per_m);
-  const double length_px = length_m * frame.px_per_m;
-  const double y = corner_px.y() + 16.0;
-  PathData bar;
-  bar.segment({corner_px.x(), y}, {corner_px.x() + length_px, y});
-  bar.segment({corner_px.x(), y - 4.0}, {corner_px.x(), y + 4.0});
-  bar.segment({corner_px.x() + length_px, y - 4.0}, {corner_px.x() + length_px, y + 4.0});
-  svg.path(bar, stroke(kInk, 1.4));
-  svg.text({corner_px.x() + 0.5 * length_px, y - 6.0}, tick_text(length_m, length_m) + " m",
-           "text-anchor=\"middle\" fill=\"#1a1a1a\"");
-  return y + 6.0;
+/// Its own scale in the lower left corner of a panel, for a picture with several.
+void scale_bar_inside(SvgWriter& svg, const MapPanel& frame) {
+  const core::Point2 corner(frame.area.left + 10.0, frame.area.bottom - 32.0);
+  svg.rect({corner.x() - 6.0, corner.y() - 4.0, corner.x() + kScaleBarMax_px + 6.0, corner.y() + 26.0},
+           "fill=\"#ffffff\" fill-opacity=\"0.85\"");
+  draw_scale_bar(svg, frame.px_per_m, corner);
 }
 
-/// Draws the key of the marks that `plot` has, the colour bar of xi and the scale bar, with the upper left
-/// corner at `corner_px`. Returns the y of its lower end, px.
-double draw_map_legend(SvgWriter& svg, const MapPlot& plot, const MapPanel& frame,
-                       const core::Point2& corner_px) {
+/// Draws the key of the marks that `plot` has and the colour bar of xi, with the upper left corner at
+/// `corner_px`. Returns the y of its lower end, px.
+double draw_map_legend(SvgWriter& svg, const MapPlot& plot, const core::Point2& corner_px) {
   Key key(svg, corner_px);
   if (!plot.landmarks.empty()) {
     PathData cross;
@@ -377,8 +369,7 @@ double draw_map_legend(SvgWriter& svg, const MapPlot& plot, const MapPanel& fram
   }
   pose_rows(svg, key, plot);
   other_rows(svg, key, plot);
-  const double bar_end = colour_bar(svg, plot, {corner_px.x(), key.y() + 16.0});
-  return scale_bar(svg, frame, {corner_px.x(), bar_end + 20.0});
+  return colour_bar(svg, plot, {corner_px.x(), key.y() + 16.0});
 }
 
 constexpr double kMargin_px = 12.0;
@@ -480,7 +471,13 @@ std::string draw_map(const MapPlot& plot) {
     draw_panel(svg, shown_in(*panels.detail, shown), *panels.detail, "detail", Numbers::All);
   }
   const core::Point2 legend{panels.width_px - kLegendWidth_px, panels.map.area.top};
-  const double legend_end = draw_map_legend(svg, shown, panels.map, legend);
+  double legend_end = draw_map_legend(svg, shown, legend);
+  if (panels.detail) {
+    scale_bar_inside(svg, panels.map);
+    scale_bar_inside(svg, *panels.detail);
+  } else {
+    legend_end = draw_scale_bar(svg, panels.map.px_per_m, {legend.x(), legend_end + 20.0});
+  }
   return svg.finish(panels.width_px,
                     std::max(panels.map.area.bottom + kBelowAxis_px, legend_end + kMargin_px));
 }

@@ -36,8 +36,9 @@ struct MapPlot {
 /// The picture as an SVG document: a map in metres with equal axes, landmarks as crosses coloured by xi, the
 /// path of the sensor (broken where scans gave no fix) with headings and as many scan numbers as fit without
 /// overlap, the first and the last always among them, and the matches of the last pose. Legend and scale bar
-/// (of the map) stand beside it. A path too small to be read in the map is shown again, larger, in a second
-/// panel. The same plot gives the same bytes; what has no finite position is left out.
+/// stand beside it. A path too small to be read in the map is shown again, larger, in a second panel; then
+/// each panel has its scale bar inside. The same plot gives the same bytes; what has no finite position is
+/// left out.
 [[nodiscard]] std::string draw_map(const MapPlot& plot);
 
 /// Where the map stands in the picture, with the same scale in both directions.

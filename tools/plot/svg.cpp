@@ -307,6 +307,13 @@ tl::expected<void, OutputError> draw_png(const std::filesystem::path& svg, const
                        : "could not draw it from " + svg.string())});
 }
 
+std::string is_picture_name(const std::string& name) {
+  const std::filesystem::path ending = std::filesystem::path(name).extension();
+  return ending == ".svg" || ending == ".png"
+             ? std::string()
+             : name + " is no picture that can be written: end it in .svg or .png";
+}
+
 tl::expected<void, OutputError> write_picture(const std::filesystem::path& path, std::string_view svg) {
   if (path.extension() != ".png") {
     return write_file(path, svg);
@@ -317,6 +324,20 @@ tl::expected<void, OutputError> write_picture(const std::filesystem::path& path,
     return written;
   }
   return draw_png(beside, path);
+}
+
+double draw_scale_bar(SvgWriter& svg, double px_per_m, const core::Point2& corner_px) {
+  const double length_m = round_step_down(kScaleBarMax_px / px_per_m);
+  const double length_px = length_m * px_per_m;
+  const double y = corner_px.y() + 16.0;
+  PathData bar;
+  bar.segment({corner_px.x(), y}, {corner_px.x() + length_px, y});
+  bar.segment({corner_px.x(), y - 4.0}, {corner_px.x(), y + 4.0});
+  bar.segment({corner_px.x() + length_px, y - 4.0}, {corner_px.x() + length_px, y + 4.0});
+  svg.path(bar, stroke(kInk, 1.4));
+  svg.text({corner_px.x() + 0.5 * length_px, y - 6.0}, tick_text(length_m, length_m) + " m",
+           "text-anchor=\"middle\" fill=\"" + std::string(kInk) + '"');
+  return y + 6.0;
 }
 
 }  // namespace slamsensor::tools

@@ -104,8 +104,17 @@ double draw_heading(SvgWriter& svg, const std::string& title, const std::vector<
 [[nodiscard]] tl::expected<void, OutputError> draw_png(const std::filesystem::path& svg,
                                                        const std::filesystem::path& png);
 
+/// A check of an option that names a picture to be written: what is wrong with its ending, or nothing.
+[[nodiscard]] std::string is_picture_name(const std::string& name);
+
 /// `path` holds the picture `svg`. A name that ends in .png gets a PNG, and the SVG stands beside it.
 [[nodiscard]] tl::expected<void, OutputError> write_picture(const std::filesystem::path& path,
                                                             std::string_view svg);
+
+inline constexpr double kScaleBarMax_px = 120.0;
+
+/// Draws a bar of a round length (m), at most kScaleBarMax_px long, with the upper left corner at `corner_px`
+/// and its length above it. Returns the y of its lower end, px.
+double draw_scale_bar(SvgWriter& svg, double px_per_m, const core::Point2& corner_px);
 
 }  // namespace slamsensor::tools

@@ -172,6 +172,7 @@ void add_common(CLI::App& verb, Options& options) {
       ->required();
   verb.add_option("--out", options.out, "the picture; of F.png the SVG stands beside it")
       ->required()
+      ->check(is_picture_name)
       ->type_name("F.svg|F.png");
   options.config.add_to(verb);
 }

@@ -47,6 +47,13 @@ bool is_of_a_story(std::string_view channel, const std::string& prefix) {
 
 tl::expected<RecordedStory, InputError> RecordedStory::open(const std::filesystem::path& path,
                                                             const std::string& prefix) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) {
+    return refuse(path.string(), "does not exist; name a recording of ctl record, record or lcm-logger");
+  }
+  if (std::filesystem::is_directory(path, ignored)) {
+    return refuse(path.string(), "is a folder; name one of the recordings in it");
+  }
   if (!is_event_log_file(path)) {
     return refuse(path.string(), "is no recording; name one of ctl record, record or lcm-logger");
   }
@@ -83,11 +90,20 @@ tl::expected<RecordedStory, InputError> RecordedStory::open(const std::filesyste
 
 SensorStory RecordedStory::fresh() const {
   SensorStory story(prefix_);
-  story.set_datum(datum_);
+  story.set_datum(datum_, datum_source_);
   if (map_) {
     story.on_map_file(*map_);
   }
   return story;
+}
+
+void RecordedStory::offer_datum(const std::optional<firmware::Datum>& datum) {
+  if (!datum_ && !(map_ && map_->about.datum)) {
+    datum_ = datum;
+    datum_source_ = DatumSource::Configuration;
+    story_ = fresh();
+    next_ = 0;
+  }
 }
 
 /// Runs through it once for the time line.

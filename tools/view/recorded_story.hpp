@@ -33,6 +33,9 @@ class RecordedStory {
   [[nodiscard]] const std::vector<StoryEvent>& events() const { return events_; }
   [[nodiscard]] const std::string& warning() const { return warning_; }  ///< damage; empty without
 
+  /// Shows places on the earth by this datum if the recording has none.
+  void offer_datum(const std::optional<firmware::Datum>& datum);
+
   /// The story up to `utime_us`, valid until the next call. Going on is quick; going back begins anew.
   [[nodiscard]] const SensorStory& at(std::int64_t utime_us);
 
@@ -51,6 +54,7 @@ class RecordedStory {
   std::vector<Message> messages_;  // by time
   std::optional<firmware::MapFile> map_;
   std::optional<firmware::Datum> datum_;
+  DatumSource datum_source_ = DatumSource::Recording;
   std::vector<Mark> marks_;
   std::vector<StoryEvent> events_;
   std::string warning_;

@@ -195,7 +195,7 @@ void SensorStory::on_map_file(const firmware::MapFile& map) {
   ++map_version_;
   is_map_changed_ = false;
   if (!datum_) {
-    datum_ = map.about.datum;
+    set_datum(map.about.datum, DatumSource::Recording);
   }
 }
 

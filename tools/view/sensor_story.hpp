@@ -73,6 +73,9 @@ struct StoryFix {
   bool follows = false;
 };
 
+/// Whose datum a story has.
+enum class DatumSource : std::uint8_t { Sensor, Recording, Configuration };
+
 /// A map that is not tied to the home map, as far as the scans of this story showed it.
 struct StoryLocalMap {
   std::vector<core::Point2> landmarks_W;
@@ -97,7 +100,11 @@ class SensorStory {
   void on_message(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t utime_us);
   /// The map that a recording begins with.
   void on_map_file(const firmware::MapFile& map);
-  void set_datum(std::optional<firmware::Datum> datum) { datum_ = datum; }
+  void set_datum(std::optional<firmware::Datum> datum, DatumSource source) {
+    datum_ = datum;
+    datum_source_ = source;
+  }
+  void set_stale_s(double stale_s) { stale_s_ = stale_s; }
 
   /// Counts map versions on from `version`, so that readers of an earlier story see that this is another.
   void continue_versions(std::uint64_t version);
@@ -107,6 +114,11 @@ class SensorStory {
   [[nodiscard]] const std::optional<firmware::StatusMessage>& status() const { return status_; }
   [[nodiscard]] std::optional<std::int64_t> heard_utime_us() const { return heard_utime_us_; }
   [[nodiscard]] const std::optional<firmware::Datum>& datum() const { return datum_; }
+  [[nodiscard]] DatumSource datum_source() const { return datum_source_; }
+  /// Without a scan for this long the last fix is no fix any more; none when that is not known.
+  [[nodiscard]] std::optional<double> stale_s() const { return stale_s_; }
+  /// Of the sensor's last start; none before its first message.
+  [[nodiscard]] std::optional<std::int64_t> initialization() const { return initialization_; }
 
   /// Landmarks of the last whole scan (sensor frame), and its number; none before.
   [[nodiscard]] const std::vector<core::Point2>& scan_B() const { return scan_B_; }
@@ -149,6 +161,8 @@ class SensorStory {
   std::optional<firmware::StatusMessage> status_;
   std::optional<std::int64_t> heard_utime_us_;
   std::optional<firmware::Datum> datum_;
+  DatumSource datum_source_ = DatumSource::Sensor;
+  std::optional<double> stale_s_;
   std::map<std::int32_t, std::vector<core::Point2>> scan_chunks_;  // of the scan that is being received
   std::int64_t scan_receiving_ = -1;
   std::vector<core::Point2> scan_B_;

@@ -45,11 +45,28 @@ Json points(const std::vector<core::Point2>& list) {
   return out;
 }
 
-/// Age of the middle of the scan: what had passed when the pose was sent, and what has since.
-double age_s(const firmware::PoseMessage& pose, std::int64_t came_us, std::int64_t now_us) {
-  const auto before_ns = static_cast<double>(pose.report_monotonic_ns - pose.scan_end_monotonic_ns +
-                                             pose.scan_end_utc_ns - pose.scan_middle_utc_ns);
+/// What has passed since the end of the scan: before the pose was sent, and since then.
+double since_scan_s(const firmware::PoseMessage& pose, std::int64_t came_us, std::int64_t now_us) {
+  const auto before_ns = static_cast<double>(pose.report_monotonic_ns - pose.scan_end_monotonic_ns);
   return before_ns / kSecond_ns + static_cast<double>(now_us - came_us) / kSecond_us;
+}
+
+/// From the middle of the scan, of which the pose is, to its end.
+double half_scan_s(const firmware::PoseMessage& pose) {
+  return static_cast<double>(pose.scan_end_utc_ns - pose.scan_middle_utc_ns) / kSecond_ns;
+}
+
+Json datum_json(const SensorStory& story) {
+  const auto& datum = story.datum();
+  if (!datum) {
+    return {};
+  }
+  const bool is_guess = story.datum_source() == DatumSource::Configuration;
+  return {{"latitude", datum->latitude_deg},
+          {"longitude", datum->longitude_deg},
+          {"height", datum->height_m},
+          {"bearing", datum->bearing_deg},
+          {"of_configuration", is_guess}};
 }
 
 Json pose_json(const firmware::PoseMessage& pose) {
@@ -269,15 +286,10 @@ Json story_json(const SensorStory& story, std::int64_t now_us, StoryCursor& curs
       add_place(*last, *story.datum(), pose);
     }
     if (last->scan_end_monotonic_ns != 0) {  // else no scan was made
-      out["age_s"] = number(age_s(*last, story.pose_utime_us(), now_us));
+      const double since_s = since_scan_s(*last, story.pose_utime_us(), now_us);
+      out["since_scan_s"] = number(since_s);
+      out["age_s"] = number(since_s + half_scan_s(*last));
     }
-  }
-  Json datum;
-  if (const auto& at = story.datum()) {
-    datum = {{"latitude", at->latitude_deg},
-             {"longitude", at->longitude_deg},
-             {"height", at->height_m},
-             {"bearing", at->bearing_deg}};
   }
   Json scan;
   if (const auto number_of_scan = story.scan_number()) {
@@ -285,7 +297,8 @@ Json story_json(const SensorStory& story, std::int64_t now_us, StoryCursor& curs
   }
   add_changed("pose", std::move(pose), cursor, out);
   add_changed("status", story.status() ? status_json(*story.status()) : Json(), cursor, out);
-  add_changed("datum", std::move(datum), cursor, out);
+  add_changed("datum", datum_json(story), cursor, out);
+  add_changed("stale_s", story.stale_s() ? Json(*story.stale_s()) : Json(), cursor, out);
   add_changed("scan", std::move(scan), cursor, out);
   add_changed("rivals", rivals_json(story.rivals()), cursor, out);
   add_changed("counters", counters_json(story), cursor, out);

@@ -82,7 +82,7 @@ constexpr Setting kSettings[] = {
      boolean<kDaemon, kLcm, &LcmConfig::enabled>()},
     {"lcm.url", "", "Network of LCM; empty: LCM_DEFAULT_URL, else LCM's own default, which stays on this machine.",
      free_text<kDaemon, kLcm, &LcmConfig::url>(kLcmUrl)},
-    {"lcm.prefix", "", "First part of the channels POSE, STATUS, COUNTERS, MAP and SCAN.",
+    {"lcm.prefix", "", "First part of the channels POSE, RIVALS, STATUS, COUNTERS, MAP and SCAN.",
      free_text<kDaemon, kLcm, &LcmConfig::prefix>(kLcmPrefix)},
     {"lcm.bot_core_channel", "", "Channel of bot_core.pose_t; empty: none.",
      free_text<kDaemon, kLcm, &LcmConfig::bot_core_channel>(kLcmChannel)},

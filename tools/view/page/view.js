@@ -6,6 +6,7 @@ const $ = (id) => document.getElementById(id);
 const PROPERTIES = ["x", "y", "id", "xi", "sightings", "sigma"];
 const noLandmarks = () => Object.fromEntries(PROPERTIES.map((name) => [name, []]));
 const story = { fixes: 0, map: noLandmarks(), chunks: [], path: [], events: [], local_maps: {} };
+const SILENT_S = 4; // the status comes every second
 const stats = { frames: 0, drawn_ms: 0, worst_ms: 0, bases: 0, bytes: 0, messages: 0 };
 
 // --- Words ----------------------------------------------------------------------------------------------------------
@@ -58,13 +59,35 @@ function rivalWords(pose) {
   return `The likeliest place is drawn hollow; no rival in this map is known.${soFar}`;
 }
 
+/** Nothing has come from the sensor for longer than its status may take. */
+const isSilent = () => link.is_live && (link.isLost() || story.heard_s > SILENT_S);
+/** Of an age in the last message: what has passed since that message is added. */
+const ageNow = (age_s) => age_s + (link.is_live ? link.quiet_s() : 0);
+
+/** The last pose; once it is too old, the fix that it was is none any more, whatever the sensor last said. */
+function poseNow() {
+  const pose = story.pose;
+  const isStale = pose && pose.status !== "no_fix" && story.stale_s > 0 && ageNow(story.since_scan_s) > story.stale_s;
+  return isStale ? { ...pose, status: "no_fix", reason: "stale", words: `no fix: stale, no scan for more than ${span(story.stale_s)}` } : pose;
+}
+
+function fixWords(pose) {
+  if (pose.status !== "fix") return pose.words.replace(/^./, (c) => c.toUpperCase());
+  return isSilent() ? "The last fix before the sensor fell silent" : "Fix";
+}
+
+function fixTone(pose) {
+  if (pose.status === "no_fix") return "bad";
+  return pose.status === "fix" && !isSilent() ? "good" : "warn";
+}
+
 function stateTone() {
   const state = story.status ? story.status.state : "";
   return { fixed: "good", scanning: "warn", starting: "warn", ambiguous: "warn", held: "warn", lost: "bad", faulted: "bad" }[state] || "";
 }
 
 function tellFix() {
-  const pose = story.pose;
+  const pose = poseNow();
   if (!pose) {
     setText($("words"), "no scan has been localised yet");
     fillList($("fix"), []);
@@ -72,23 +95,26 @@ function tellFix() {
     return;
   }
   // Said aloud when it becomes another matter, not at each new number.
-  const matter = `${pose.status} ${pose.reason} ${pose.map}`;
+  const matter = `${pose.status} ${pose.reason} ${pose.map} ${isSilent()}`;
   if ($("words").dataset.matter !== matter) {
     $("words").dataset.matter = matter;
-    $("words").className = pose.status === "fix" ? "good" : pose.status === "ambiguous" ? "warn" : "bad";
-    setText($("words"), pose.status === "fix" ? "Fix" : pose.words.replace(/^./, (c) => c.toUpperCase()));
+    $("words").className = fixTone(pose);
+    setText($("words"), fixWords(pose));
   }
   const isAmbiguous = pose.status === "ambiguous";
   $("rivals").hidden = !isAmbiguous;
   if (isAmbiguous) setText($("rivals"), rivalWords(pose));
   const near = pose.has_pose ? ellipse(pose.near) : null;
   const home = pose.has_pose ? ellipse(pose.cov) : null;
+  const isOnEarth = pose.status === "fix" && pose.latitude !== undefined;
+  const last = pose.reason === "stale" ? "Last " : "";
   fillList($("fix"), [
-    story.age_s !== undefined && ["Age", span(story.age_s)],
-    pose.has_pose && ["x, y", `${fixed(pose.x, 3)}, ${fixed(pose.y, 3)} m`],
-    pose.has_pose && ["Heading", headingText(pose.heading, 2)],
-    pose.latitude !== undefined && ["Latitude, longitude", `${fixed(pose.latitude, 7)}, ${fixed(pose.longitude, 7)}`],
-    pose.latitude !== undefined && ["True heading", `${fixed(pose.true_heading_deg, 1)}°`],
+    story.age_s !== undefined && ["Age", span(ageNow(story.age_s))],
+    pose.has_pose && [`${last}x, y`, `${fixed(pose.x, 3)}, ${fixed(pose.y, 3)} m`],
+    pose.has_pose && [last ? "Last heading" : "Heading", headingText(pose.heading, 2)],
+    isOnEarth && ["Latitude, longitude", `${fixed(pose.latitude, 7)}, ${fixed(pose.longitude, 7)}`],
+    isOnEarth && ["True heading", `${fixed(pose.true_heading_deg, 1)}°`],
+    isOnEarth && story.datum && story.datum.of_configuration && ["By the datum", "of the configuration", "warn"],
     home && ["Sigma in the map", `${fixed(home.a, 3)} × ${fixed(home.b, 3)} m, ${fixed(degrees(Math.sqrt(pose.cov_heading)), 2)}°`],
     near && ["Sigma to landmarks", `${fixed(near.a, 3)} × ${fixed(near.b, 3)} m`],
     pose.has_pose && ["Protection radius", `${fixed(pose.protection, 2)} m`],
@@ -102,25 +128,36 @@ function tellFix() {
   ]);
 }
 
+const NOT_KNOWN = { state: "not known", model: "", problem: "", recoveries: 0 };
+
 function tellSensor() {
   const status = story.status;
-  $("problem").hidden = !(status && status.problem);
+  const silent = isSilent();
+  $("problem").hidden = silent || !(status && status.problem);
   if (!status) return;
   setText($("problem"), status.problem);
+  tellDevices(status.devices.map((device) => (silent ? { ...NOT_KNOWN, name: device.name } : device)));
+  fillList($("sensor"), silent ? [["Head", "not known", "warn"]] : sensorRows(status));
+}
+
+function tellDevices(devices) {
   const list = $("devices");
-  status.devices.forEach((device, i) => {
+  devices.forEach((device, i) => {
     const item = list.children[i] || list.appendChild(document.createElement("li"));
     const text = `${device.name}|${device.state}|${device.model}|${device.problem}|${device.recoveries}`;
     if (item.dataset.text === text) return;
     item.dataset.text = text;
     const state = document.createElement("b");
-    state.className = device.state === "ready" ? "good" : device.state === "starting" ? "warn" : "bad";
+    state.className = device.state === "ready" ? "good" : ["starting", NOT_KNOWN.state].includes(device.state) ? "warn" : "bad";
     state.textContent = device.state;
     const more = document.createElement("span");
     more.textContent = [device.model, device.problem, device.recoveries ? `${device.recoveries} recoveries` : ""].filter(Boolean).join("; ");
     item.replaceChildren(document.createTextNode(`${device.name} `), state, more);
   });
-  fillList($("sensor"), [
+}
+
+function sensorRows(status) {
+  return [
     ["Head", status.held ? "held" : status.phase, status.held ? "warn" : ""],
     ["Scan under way", `line ${status.line} of ${status.lines}`],
     ["Looks towards", `pan ${fixed(degrees(status.pan), 1)}°, tilt ${fixed(degrees(status.tilt), 1)}°`],
@@ -132,22 +169,41 @@ function tellSensor() {
     ["Recording", status.recording ? "yes" : "no"],
     story.pose && ["Running for", span(story.pose.uptime_s)],
     story.pose && story.pose.emulated && ["Source", "emulated", "warn"],
-  ]);
+  ];
 }
 
-function tellMap() {
+/** The map that is drawn, how much of it, and where the sensor is in it. */
+function tellPicture() {
+  const frame = frameShown();
+  const name = frame === "home" ? "Home map" : `Local map ${frame}, not yet tied`;
+  const count = `${landmarksShown(frame).x.length} landmarks`;
+  const path = frame === "home" ? `, ${story.fixes} fixes on the path` : "";
+  const now = poseNow();
+  const pose = poseShown(frame);
+  const isLast = pose && (isSilent() || pose.reason === "stale");
+  const place = pose ? `; the sensor ${isLast ? "was last " : ""}at x ${fixed(pose.x, 1)}, y ${fixed(pose.y, 1)} metres in it` : "; the sensor is in another map";
+  const noFix = now && now.reason === "stale" ? "; no fix: stale" : "";
+  const rivals = pose ? (story.rivals || []).map((rival, i) => `; rival ${i + 1} of this scan at ${placeText(rival)}`).join("") : "";
+  const label = `${name}: ${count}${path}${now && now.has_pose ? place : "; no pose"}${noFix}${rivals}`;
+  const map = $("map");
+  if (map.getAttribute("aria-label") !== label) map.setAttribute("aria-label", label);
+  tellMap(frame, count);
+}
+
+function tellMap(frame, count) {
   const status = story.status;
   const datum = story.datum;
   const locals = Object.keys(story.local_maps);
   fillList($("about-map"), [
     status && ["Name", status.map_name || "–"],
-    ["Landmarks drawn", String(story.map.x.length)],
-    story.sigma_median > 0 && ["Their sigma", `${fixed(story.sigma_median, 2)} m, at most ${fixed(story.sigma_most, 2)} m`],
+    ["Drawn", `${frame === "home" ? "home map" : `local map ${frame}`}, ${count}`],
+    frame === "home" && story.sigma_median > 0 && ["Their sigma", `${fixed(story.sigma_median, 2)} m, at most ${fixed(story.sigma_most, 2)} m`],
     status && ["Local maps not tied", `${status.local_maps}, ${status.local_landmarks} landmarks`],
     status && ["Hypotheses", String(status.hypotheses)],
     status && ["Mode", status.frozen ? "frozen" : "growing"],
     status && ["Saved", status.saved_ago_s === null ? "never" : `${span(status.saved_ago_s)} ago${status.unsaved ? ", changed since" : ""}`],
     ["Datum", datum ? `${fixed(datum.latitude, 7)}, ${fixed(datum.longitude, 7)}, ${fixed(datum.height, 1)} m` : "none: metres only"],
+    datum && datum.of_configuration && ["Whose datum", "of the configuration", "warn"],
     datum && ["x axis towards", `${fixed(datum.bearing, 2)}° true`],
   ]);
   const options = [["auto", "where the sensor is"], ["home", "home map"], ...locals.map((n) => [n, `local map ${n}`])];
@@ -196,21 +252,17 @@ function tellCounters() {
 
 function tell() {
   const status = story.status;
-  const silent = link.is_live && story.heard_s !== undefined && story.heard_s > 4;
+  const silent = isSilent();
   const words = !status ? (story.heard_s === undefined ? "waiting for a sensor" : "heard") : status.state;
-  setText($("state-words"), silent ? `silent for ${span(story.heard_s)}` : words);
+  setText($("state-words"), !silent ? words : link.isLost() ? "not known" : "silent");
+  $("silence").hidden = !(silent && story.heard_s !== undefined);
+  setText($("silence"), `for ${span(ageNow(story.heard_s))}`); // outside of what is said aloud: it changes all the time
   $("lamp").className = silent ? "bad" : stateTone();
-  link.show(story.problem || "");
+  if (!link.isLost()) link.show(story.problem || "");
   tellFix();
   tellSensor();
-  tellMap();
+  tellPicture();
   tellCounters();
-  const map = $("map");
-  const pose = story.pose;
-  const where = pose && pose.has_pose ? `; the sensor at x ${fixed(pose.x, 1)}, y ${fixed(pose.y, 1)} metres` : "; no pose";
-  const rivals = (story.rivals || []).map((rival, i) => `; rival ${i + 1} of this scan at ${placeText(rival)}`).join("");
-  const label = `Map with ${story.map.x.length} landmarks, ${story.fixes} fixes on the path${where}${rivals}`;
-  if (map.getAttribute("aria-label") !== label) map.setAttribute("aria-label", label);
 }
 
 // --- The picture ----------------------------------------------------------------------------------------------------
@@ -219,6 +271,7 @@ function tell() {
    moved or zoomed that picture is shifted and stretched; it is drawn anew when it no longer covers the window, when it
    would be stretched too much, when what it shows changes, and once the hand rests. */
 const MARGIN = 0.35, REST_MS = 120, STRETCH = 1.6;
+const FADED = 0.35; // of what is no more than the last that was known
 const view = { x: 0, y: 0, scale: 20, follow: false, touched: false, colours: {}, base: document.createElement("canvas"), base_at: null, base_key: "",
   base_view: "", resting: 0, dirty: true };
 
@@ -250,7 +303,7 @@ function landmarksShown(frame) {
 
 const pathShown = (frame) => (frame === "home" ? story.path : (story.local_maps[frame] || { path: [] }).path);
 const poseShown = (frame) => {
-  const pose = story.pose;
+  const pose = poseNow();
   if (!pose || !pose.has_pose) return null;
   return frame === (pose.map === pose.home ? "home" : String(pose.map)) ? pose : null;
 };
@@ -432,7 +485,7 @@ function showBase(context, now, ratio) {
   }
 }
 
-function drawScan(context, pose) {
+function drawScan(context, pose, alpha) {
   if (!story.scan || story.scan.number !== pose.scan) return;
   const [c, s] = [Math.cos(pose.heading), Math.sin(pose.heading)];
   const [ox, oy] = toScreen(pose.x, pose.y);
@@ -440,7 +493,7 @@ function drawScan(context, pose) {
   const half = Math.min(7, Math.max(2, view.scale * 0.6));
   for (const rays of view.scale < 2 ? [true] : [true, false]) { // from far away the squares would hide each other and the sensor
     context.strokeStyle = view.colours.scan;
-    context.globalAlpha = rays ? 0.14 : 1;
+    context.globalAlpha = rays ? 0.14 * alpha : alpha;
     context.lineWidth = rays ? 1 : 1.5;
     context.beginPath();
     for (let i = 0; i < points.length; i += 2) {
@@ -454,13 +507,13 @@ function drawScan(context, pose) {
     }
     context.stroke();
   }
-  context.globalAlpha = 1;
+  context.globalAlpha = alpha;
 }
 
 /** Where the head looks now, and how much of the scan is done. */
 function drawBeam(context, pose) {
   const status = story.status;
-  if (!status || status.phase !== "scanning" || status.held) return;
+  if (!status || status.phase !== "scanning" || status.held || isSilent()) return;
   const [px, py] = toScreen(pose.x, pose.y);
   const angle = -(pose.heading + status.pan);
   context.strokeStyle = view.colours.beam;
@@ -602,10 +655,12 @@ function draw() {
   showBase(context, now, ratio);
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   if (pose) {
-    drawScan(context, pose);
+    context.globalAlpha = isSilent() || pose.reason === "stale" ? FADED : 1;
+    drawScan(context, pose, context.globalAlpha);
     drawBeam(context, pose);
     drawRivals(context);
     drawPose(context, pose);
+    context.globalAlpha = 1;
   }
   drawScale(context, width, height);
   drawNorth(context, width, frame);
@@ -722,7 +777,7 @@ function listenToKeys() {
   $("zoom-out").addEventListener("click", () => zoom(1 / 1.5));
   $("fit").addEventListener("click", () => { setFollow(false); view.touched = false; fit(); });
   $("follow").addEventListener("click", () => { view.touched = true; setFollow(!view.follow); });
-  $("frame").addEventListener("change", () => { view.touched = false; fit(); });
+  $("frame").addEventListener("change", () => { view.touched = false; fit(); tellPicture(); });
   new ResizeObserver(() => { if (!view.touched) fit(); view.dirty = true; }).observe($("map"));
 }
 
@@ -760,8 +815,8 @@ function takeMap(map) {
 /** Members that are not in the message are as they were; `null` is none. */
 function take(message) {
   const had = story.map.x.length;
-  for (const name of ["pose", "status", "datum", "scan", "rivals", "counters", "local_maps"]) if (name in message) story[name] = message[name] || undefined;
-  for (const name of ["age_s", "heard_s", "problem"]) story[name] = message[name];
+  for (const name of ["pose", "status", "datum", "stale_s", "scan", "rivals", "counters", "local_maps"]) if (name in message) story[name] = message[name] || undefined;
+  for (const name of ["age_s", "since_scan_s", "heard_s", "problem"]) story[name] = message[name];
   story.local_maps = story.local_maps || {};
   if (message.map) takeMap(message.map);
   if (message.path.restart) story.path = [];
@@ -774,8 +829,14 @@ function take(message) {
   tell();
 }
 
+const LOST = "the connection to slamsensor view is lost; trying again";
+const QUIET_S = 3; // a message comes every quarter of a second
 const link = {
   is_live: false,
+  last: performance.now(),
+  source: null,
+  quiet_s() { return (performance.now() - this.last) / 1000; },
+  isLost() { return this.is_live && (this.quiet_s() > QUIET_S || (this.source !== null && this.source.readyState === EventSource.CLOSED)); },
   show(text) {
     $("link").hidden = text === "";
     setText($("link"), text);
@@ -783,10 +844,11 @@ const link = {
   open() {
     this.is_live = true;
     const source = new EventSource("/api/stream");
-    let last = performance.now();
+    this.source = source;
+    const opened = performance.now();
     source.onopen = () => { story.events = []; };
     source.onmessage = (event) => {
-      last = performance.now();
+      this.last = performance.now();
       stats.bytes += event.data.length;
       const message = JSON.parse(event.data);
       take(message);
@@ -796,16 +858,33 @@ const link = {
       }
     };
     // A stream that is refused or cut without a word is opened anew.
-    const watch = setInterval(() => {
-      if (performance.now() - last < 3000 && source.readyState !== EventSource.CLOSED) return;
-      this.show("the connection to slamsensor view is lost; trying again");
+    const watch = setInterval(async () => {
+      if (!this.isLost()) return;
+      tell();
+      view.dirty = true;
       $("lamp").className = "bad";
-      if (source.readyState === EventSource.CLOSED || performance.now() - last > 8000) {
+      if (source.readyState === EventSource.CLOSED || (this.quiet_s() > 8 && performance.now() - opened > 8000)) {
         clearInterval(watch);
         source.close();
+        this.show(await this.refusal());
         setTimeout(() => this.open(), 1000);
+      } else {
+        this.show(LOST);
       }
     }, 1000);
+  },
+  /** Why there is no stream; an EventSource does not say. */
+  async refusal() {
+    const asking = new AbortController();
+    setTimeout(() => asking.abort(), 3000);
+    try {
+      const answer = await fetch("/api/stream", { signal: asking.signal });
+      return answer.ok ? LOST : (await answer.json()).error;
+    } catch (error) {
+      return LOST;
+    } finally {
+      asking.abort();
+    }
   },
 };
 
@@ -889,6 +968,22 @@ const player = {
   },
 };
 
+/** Hands a request to the sensor: {ok, and text, code or error}. */
+async function order(request, token) {
+  if (!/^[\x20-\x7e]*$/.test(token)) return { ok: false, error: "a token has only printable ASCII characters" };
+  try {
+    const answer = await fetch("/api/ctl", {
+      method: "POST",
+      headers: { Authorization: `Bearer ${token}`, "Content-Type": "application/json" },
+      body: JSON.stringify({ request }),
+    });
+    const said = await answer.json();
+    return { ...said, ok: answer.ok && said.ok };
+  } catch (error) {
+    return { ok: false, error: "the connection to slamsensor view is lost; it is not known whether the sensor was told" };
+  }
+}
+
 function offerControl() {
   $("control").hidden = false;
   for (const request of ["scan now", "scan pause", "scan resume", "map save", "map freeze", "map unfreeze", "record start", "record stop"]) {
@@ -896,13 +991,9 @@ function offerControl() {
     button.type = "button";
     button.textContent = request;
     button.addEventListener("click", async () => {
-      const answer = await fetch("/api/ctl", {
-        method: "POST",
-        headers: { Authorization: `Bearer ${$("token").value}`, "Content-Type": "application/json" },
-        body: JSON.stringify({ request }),
-      });
-      const said = await answer.json();
-      $("answer").className = answer.ok && said.ok ? "good" : "bad";
+      setText($("answer"), "");
+      const said = await order(request, $("token").value);
+      $("answer").className = said.ok ? "good" : "bad";
       setText($("answer"), `${request}: ${said.error || said.text || (said.ok ? "done" : said.code)}`);
     });
     $("orders").append(button);

@@ -29,6 +29,7 @@ TEST(FixJson, HasPoseAndErrorsOfAFix) {
           R"("protection_radius_m":1.05,"covariance_near":[0.0004,0.0,0.0,0.0,0.0009,0.0,0.0,0.0,0.0001],)"
           R"("sigma_near_m":0.03,"error_xi":0)"));
   EXPECT_THAT(json, HasSubstr(R"("matches":23,"landmarks_seen":30,"landmarks_in_map":512)"));
+  EXPECT_THAT(json, HasSubstr(R"("home_replaced":false)"));
 }
 
 TEST(FixJson, HasNoPoseWithoutAFix) {

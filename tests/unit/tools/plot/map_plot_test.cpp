@@ -116,6 +116,26 @@ TEST(MapPlot, SmallPathIsShownAgainLarger) {
   EXPECT_EQ(count(draw_map(spiral(5, 30, 3.0, 6.0)), ">x (m)<"), 1U);
 }
 
+// The texts under which the scale bars stand, by their x, and the length that each says, m.
+std::vector<std::pair<double, double>> scale_bars(const std::string& svg) {
+  const std::regex pattern("<text x=\"([-0-9.]+)\"[^>]*>([0-9.]+) m</text>");
+  std::vector<std::pair<double, double>> bars;
+  for (std::sregex_iterator it(svg.begin(), svg.end(), pattern); it != std::sregex_iterator(); ++it) {
+    bars.emplace_back(std::stod((*it)[1]), std::stod((*it)[2]));
+  }
+  return bars;
+}
+
+TEST(MapPlot, EachOfTwoPanelsHasItsOwnScaleBarInside) {
+  EXPECT_EQ(scale_bars(draw_map(spiral(5, 30, 3.0, 6.0))).size(), 1U);
+  const auto bars = scale_bars(draw_map(spiral(56, 90, 0.3, 8.0)));
+  ASSERT_EQ(bars.size(), 2U);
+  constexpr double kMapWidthLeast_px = 340.0;
+  EXPECT_LT(bars[0].first, kMapWidthLeast_px) << "in the map, at its left";
+  EXPECT_GT(bars[1].first, kMapWidthLeast_px) << "in the detail";
+  EXPECT_GT(bars[0].second, bars[1].second) << "the detail is larger: its bar is shorter in metres";
+}
+
 TEST(MapPlot, EmptyPlotHasAxesAndNoKey) {
   const std::string svg = draw_map({});
   EXPECT_EQ(xml_fault(svg), "");
