@@ -402,7 +402,19 @@ class Cli(unittest.TestCase):
         self.assertEqual(run("map", "import", m, "--out", self.folder / "m.slammap")[0], OK)
         slammap = self.folder / "m.slammap"
         (self.folder / "run" / "report").mkdir(parents=True)
-        (self.folder / "run" / "fixes.csv").write_text("")
+        fixes = self.folder / "run" / "fixes.csv"
+        fixes.write_text("")
+        scenario = self.write("scenario.toml", f"world = '{own_world}'\n")
+        clouds = self.folder / "clouds"
+        clouds.mkdir()
+        cloud = self.write("clouds/scan_1.pcd", pcd([(1, 2, 3)]))
+        beside = self.write("beside.svg", "")
+        run_of_s = self.folder / "run_of_s"
+        self.assertEqual(run("replay", "--out", run_of_s, s)[0], OK)
+        plot = run_of_s / "plot.svg"
+        pictures = self.folder / "pictures"
+        pictures.mkdir()
+        (pictures / "map.svg").symlink_to(plot)
         for inputs, arguments in [
             ([scans], ["replay", "--out", self.out, scans]),
             ([scans], ["replay", "--out", self.out, self.out]),
@@ -419,6 +431,19 @@ class Cli(unittest.TestCase):
             ([own_world], ["record", own_world, "--out", own_world]),
             ([own_world, slammap], ["record", own_world, "--out", slammap]),
             ([own_world], ["record", own_world, "--out", self.folder / "r.lcm", "--truth", own_world]),
+            ([own_world], ["record", scenario, "--out", own_world]),
+            ([own_world], ["emulate", scenario, "--truth", own_world]),
+            ([fixes], ["demo", "--world", fixes, "--out", self.folder / "run", "--scans", 1]),
+            ([s], ["replay", "--out", self.folder / "r", "--landmarks", s, s]),
+            ([s], ["replay", "--out", self.folder / "r", "--landmarks", link, s]),
+            ([truth], ["replay", "--out", self.folder / "r", "--landmarks", truth, "--truth", truth, s]),
+            ([cloud], ["replay", "--out", self.folder / "r", "--landmarks", cloud, clouds]),
+            ([cloud], ["figure", "spiderweb", cloud, "--out", cloud]),
+            ([cloud], ["figure", "scanline", clouds, "--out", cloud]),
+            ([s], ["figure", "correspondences", s, "--out", link]),
+            ([config], ["figure", "spiderweb", "--config", config, cloud, "--out", config]),
+            ([beside], ["figure", "spiderweb", cloud, "--config", beside, "--out", beside.with_suffix(".png")]),
+            ([plot], ["report", run_of_s, "--out", pictures]),
         ]:
             before = [path.read_bytes() for path in inputs]
             code, _, errors = run(*arguments)

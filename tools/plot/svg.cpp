@@ -307,16 +307,17 @@ tl::expected<void, OutputError> draw_png(const std::filesystem::path& svg, const
                        : "could not draw it from " + svg.string())});
 }
 
+std::vector<std::filesystem::path> picture_files(const std::filesystem::path& path) {
+  std::filesystem::path svg = path;
+  return path.extension() == ".png" ? std::vector{svg.replace_extension(".svg"), path} : std::vector{path};
+}
+
 tl::expected<void, OutputError> write_picture(const std::filesystem::path& path, std::string_view svg) {
-  if (path.extension() != ".png") {
-    return write_file(path, svg);
-  }
-  std::filesystem::path beside = path;
-  beside.replace_extension(".svg");
-  if (auto written = write_file(beside, svg); !written) {
+  const std::vector<std::filesystem::path> files = picture_files(path);
+  if (auto written = write_file(files.front(), svg); !written || files.size() == 1) {
     return written;
   }
-  return draw_png(beside, path);
+  return draw_png(files.front(), path);
 }
 
 }  // namespace slamsensor::tools

@@ -104,6 +104,9 @@ double draw_heading(SvgWriter& svg, const std::string& title, const std::vector<
 [[nodiscard]] tl::expected<void, OutputError> draw_png(const std::filesystem::path& svg,
                                                        const std::filesystem::path& png);
 
+/// The files that write_picture(path, ...) writes.
+[[nodiscard]] std::vector<std::filesystem::path> picture_files(const std::filesystem::path& path);
+
 /// `path` holds the picture `svg`. A name that ends in .png gets a PNG, and the SVG stands beside it.
 [[nodiscard]] tl::expected<void, OutputError> write_picture(const std::filesystem::path& path,
                                                             std::string_view svg);
