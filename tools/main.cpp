@@ -37,6 +37,11 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    const bool is_unknown_verb = argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty();
+    if (is_unknown_verb) {
+      std::fprintf(stderr, "slamsensor: '%s' is no verb; slamsensor --help lists them\n", argv[1]);
+      return EX_USAGE;
+    }
     const int status = app.exit(error);
     return status == 0 ? EX_OK : EX_USAGE;
   }

@@ -247,6 +247,8 @@ void MapKeeper::save_now(const OutputTime& now) {
   }
   if (auto saved = store(name_, now)) {
     log_.notice(*saved);
+  } else if (saved.error().fault == StoreFault::Missing) {
+    log_.info(saved.error().message);
   } else {
     log_.error(saved.error().message);
   }

@@ -76,6 +76,7 @@ class Cli(unittest.TestCase):
 
     def write(self, name, content):
         path = self.folder / name
+        path.parent.mkdir(exist_ok=True)
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
         return path
 
@@ -88,7 +89,9 @@ class Cli(unittest.TestCase):
 
     def test_no_verb_and_unknown_verbs_are_usage_errors(self):
         self.assertEqual(run()[0], USAGE)
-        self.assertEqual(run("fly")[0], USAGE)
+        code, _, errors = run("fly")
+        self.assertEqual(code, USAGE)
+        self.assertIn("'fly' is no verb", errors)
         self.assertEqual(run("replay")[0], USAGE)
         self.assertEqual(run("--help")[0], OK)
         self.assertRegex(run("--version")[1], r"^slamsensor \d+\.\d+\.\d+\n$")
@@ -122,9 +125,9 @@ class Cli(unittest.TestCase):
         self.refused(self.write("l3.csv", "scan,x_m\n0,1\n"), "l3.csv")
 
     def test_duplicate_scans_name_both_files(self):
-        for name in ("a_007.pcd", "b_7.pcd"):
+        for name in ("a_1600000001.5.pcd", "b_1600000001.50.pcd"):
             self.write(name, pcd([(1, 2, 3)]))
-        self.refused(self.folder, "a_007.pcd", "b_7.pcd", status=(NOINPUT,))
+        self.refused(self.folder, "a_1600000001.5.pcd", "b_1600000001.50.pcd", status=(NOINPUT,))
 
     def test_missing_input_truth_and_config(self):
         self.refused(self.folder / "absent", "absent", status=(NOINPUT,))
@@ -270,6 +273,30 @@ class Cli(unittest.TestCase):
         self.assertIn("not read: " + str(self.folder / "scan_2.ply"), errors)
         self.assertIn("entries not read 2", output)
 
+    def test_a_landmark_list_that_cannot_be_read_is_refused_as_any_scan(self):
+        bad = self.write("bad.csv", "scan,x_m,y_m\n7,1,2\n7,far,3\n")
+        self.refused(bad, "bad.csv:3", "far", status=(DATAERR,))
+        m = self.write("maps/m.csv", "id,x_m,y_m\n1,1,2\n2,5,9\n3,9,1\n")
+        self.assertEqual(run("locate", "--map", m, "--scans", bad, "--out", self.folder / "p.csv")[0], DATAERR)
+        self.write("scan_1.pcd", pcd([(1, 2, 3)]))
+        self.write("fixes.csv", "scan,status,reason,x_m,y_m\n1,fix,,0,0\n")
+        code, output, errors = run("replay", "--out", self.out, self.folder)
+        self.assertEqual(code, DATAERR)
+        self.assertRegex(output, r"(?m)^scans +1 \(and 1 refused\)$")
+        self.assertIn("refused: " + str(bad) + ":3", errors)
+        self.assertIn("fixes.csv: holds the fixes of an earlier run", errors)
+
+    def test_eval_needs_a_pose_of_the_truth(self):
+        some = self.write("some.tum", "1 0 0 0 0 0 0 1\n")
+        code, _, errors = run("eval", "--truth", self.write("none.tum", "# t x y z\n"), some)
+        self.assertEqual(code, DATAERR)
+        self.assertIn("none.tum: holds no pose", errors)
+
+    def test_simulate_needs_a_world_with_something_in_it(self):
+        code, _, errors = run("simulate", self.write("empty.toml", "\n"), "--out", self.out, "--scans", 1)
+        self.assertEqual(code, DATAERR)
+        self.assertIn("empty.toml: is empty", errors)
+
     def test_report_of_a_replay_is_drawn(self):
         draw = random.Random(4)
         trees = [(draw.uniform(-60, 60), draw.uniform(-60, 60)) for _ in range(150)]
@@ -410,7 +437,19 @@ class Cli(unittest.TestCase):
         self.assertEqual(run("map", "import", m, "--out", self.folder / "m.slammap")[0], OK)
         slammap = self.folder / "m.slammap"
         (self.folder / "run" / "report").mkdir(parents=True)
-        (self.folder / "run" / "fixes.csv").write_text("")
+        fixes = self.folder / "run" / "fixes.csv"
+        fixes.write_text("")
+        scenario = self.write("scenario.toml", f"world = '{own_world}'\n")
+        clouds = self.folder / "clouds"
+        clouds.mkdir()
+        cloud = self.write("clouds/scan_1.pcd", pcd([(1, 2, 3)]))
+        beside = self.write("beside.svg", "")
+        run_of_s = self.folder / "run_of_s"
+        self.assertEqual(run("replay", "--out", run_of_s, s)[0], OK)
+        plot = run_of_s / "plot.svg"
+        pictures = self.folder / "pictures"
+        pictures.mkdir()
+        (pictures / "map.svg").symlink_to(plot)
         for inputs, arguments in [
             ([scans], ["replay", "--out", self.out, scans]),
             ([scans], ["replay", "--out", self.out, self.out]),
@@ -427,6 +466,19 @@ class Cli(unittest.TestCase):
             ([own_world], ["record", own_world, "--out", own_world]),
             ([own_world, slammap], ["record", own_world, "--out", slammap]),
             ([own_world], ["record", own_world, "--out", self.folder / "r.lcm", "--truth", own_world]),
+            ([own_world], ["record", scenario, "--out", own_world]),
+            ([own_world], ["emulate", scenario, "--truth", own_world]),
+            ([fixes], ["demo", "--world", fixes, "--out", self.folder / "run", "--scans", 1]),
+            ([s], ["replay", "--out", self.folder / "r", "--landmarks", s, s]),
+            ([s], ["replay", "--out", self.folder / "r", "--landmarks", link, s]),
+            ([truth], ["replay", "--out", self.folder / "r", "--landmarks", truth, "--truth", truth, s]),
+            ([cloud], ["replay", "--out", self.folder / "r", "--landmarks", cloud, clouds]),
+            ([cloud], ["figure", "spiderweb", cloud, "--out", cloud]),
+            ([cloud], ["figure", "scanline", clouds, "--out", cloud]),
+            ([s], ["figure", "correspondences", s, "--out", link]),
+            ([config], ["figure", "spiderweb", "--config", config, cloud, "--out", config]),
+            ([beside], ["figure", "spiderweb", cloud, "--config", beside, "--out", beside.with_suffix(".png")]),
+            ([plot], ["report", run_of_s, "--out", pictures]),
         ]:
             before = [path.read_bytes() for path in inputs]
             code, _, errors = run(*arguments)

@@ -1,5 +1,6 @@
 #include "tools/commands/command.hpp"
 
+#include "tools/input/scan_source.hpp"
 #include "tools/input/text.hpp"
 #include "tools/output/text_output.hpp"
 
@@ -43,6 +44,18 @@ tl::expected<void, CommandError> refuse_own_inputs(std::span<const std::filesyst
   return check_outputs(outputs, inputs).map_error([](const OutputError& error) {
     return CommandError{error.message + '\n', EX_CANTCREAT};
   });
+}
+
+std::vector<std::filesystem::path> files_read(std::span<const std::filesystem::path> inputs,
+                                              const ConfigOptions& options) {
+  std::vector<std::filesystem::path> files(inputs.begin(), inputs.end());
+  files.emplace_back(options.file);
+  if (const auto found = find_scan_files(inputs)) {
+    for (const ScanFile& file : found->scans) {
+      files.push_back(file.path);
+    }
+  }
+  return files;
 }
 
 tl::expected<firmware::LoadedConfig, CommandError> load(const ConfigOptions& options,

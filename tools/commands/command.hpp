@@ -69,6 +69,11 @@ struct ConfigOptions {
 [[nodiscard]] tl::expected<firmware::LoadedConfig, CommandError> load(const ConfigOptions& options,
                                                                       firmware::LoadedConfig base = {});
 
+/// What a verb reads whose inputs are scans: `inputs`, of folders among them the files that are scans, and
+/// the configuration.
+[[nodiscard]] std::vector<std::filesystem::path> files_read(std::span<const std::filesystem::path> inputs,
+                                                            const ConfigOptions& options);
+
 /// The options of a simulated drive, shared by the verbs that make one.
 struct DriveOptions {
   SimulateOptions simulate;

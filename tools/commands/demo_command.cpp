@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <array>
 #include <cstdio>
 #include <memory>
 
@@ -55,6 +56,10 @@ CommandResult run(Options& options) {
   const auto loaded = load(options.config);
   if (!loaded) {
     return tl::unexpected(loaded.error());
+  }
+  const std::array<std::filesystem::path, 2> inputs{options.drive.simulate.world, options.config.file};
+  if (auto checked = refuse_own_inputs(replay_files(options.out), inputs); !checked) {
+    return tl::unexpected(std::move(checked.error()));
   }
   const std::filesystem::path scans = options.out / "scans";
   if (const auto cleared = clear_scans(scans); !cleared) {

@@ -138,15 +138,15 @@ CommandResult run(const Options& options) {
   const auto refused = [](const WorldError& error, int status) {
     return tl::unexpected(CommandError{error.message + '\n', status});
   };
-  const std::vector<std::filesystem::path> inputs{options.input};
+  const auto scenario = scenario_of(options);
+  if (!scenario) {
+    return refused(scenario.error(), EX_DATAERR);
+  }
+  const std::vector<std::filesystem::path> inputs{options.input, scenario->world_file};
   const std::vector<std::filesystem::path> outputs{
       options.truth, options.truth.empty() ? options.truth : events_path(options.truth)};
   if (auto checked = refuse_own_inputs(outputs, inputs); !checked) {
     return tl::unexpected(std::move(checked.error()));
-  }
-  const auto scenario = scenario_of(options);
-  if (!scenario) {
-    return refused(scenario.error(), EX_DATAERR);
   }
   const auto head = EmulatedHead::create(*scenario);
   if (!head) {

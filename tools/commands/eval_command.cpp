@@ -27,6 +27,10 @@ CommandResult run(const Options& options) {
   if (!trajectory) {
     return tl::unexpected(CommandError{trajectory.error().message + '\n', EX_DATAERR});
   }
+  if (truth->empty()) {
+    return tl::unexpected(
+        CommandError{options.truth + ": holds no pose; name the file of the true poses\n", EX_DATAERR});
+  }
   if (trajectory->empty()) {
     return tl::unexpected(CommandError{
         options.trajectory + ": holds no pose; name the trajectory.tum of a replay that had a fix\n",

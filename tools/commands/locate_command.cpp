@@ -213,12 +213,9 @@ tl::expected<std::vector<Query>, CommandError> locate_all(ScanSource& source, co
 
 CommandResult run(const Options& options) {
   const std::vector<std::filesystem::path> outputs{options.out};
-  std::vector<std::filesystem::path> own_inputs{options.map, options.scans, options.config.file};
   const std::array<std::filesystem::path, 1> inputs{options.scans};
-  if (const auto found = find_scan_files(inputs)) {
-    std::transform(found->scans.begin(), found->scans.end(), std::back_inserter(own_inputs),
-                   [](const ScanFile& file) { return file.path; });
-  }
+  std::vector<std::filesystem::path> own_inputs = files_read(inputs, options.config);
+  own_inputs.push_back(options.map);
   if (auto checked = refuse_own_inputs(outputs, own_inputs); !checked) {
     return tl::unexpected(std::move(checked.error()));
   }

@@ -72,15 +72,16 @@ CommandResult run(const Options& options) {
     return tl::unexpected(CommandError{
         "record: name a world or scenario and --out FILE, or --live for the running daemon\n", EX_USAGE});
   }
-  const std::vector<std::filesystem::path> outputs{
-      options.drive.out, options.truth, options.truth.empty() ? options.truth : events_path(options.truth)};
-  const std::vector<std::filesystem::path> own_inputs{options.input, options.config.file};
-  if (auto checked = refuse_own_inputs(outputs, own_inputs); !checked) {
-    return tl::unexpected(std::move(checked.error()));
-  }
   RecordDrive drive = options.drive;
   if (auto prepared = prepare(options, drive); !prepared) {
     return tl::unexpected(prepared.error());
+  }
+  const std::vector<std::filesystem::path> outputs{
+      options.drive.out, options.truth, options.truth.empty() ? options.truth : events_path(options.truth)};
+  const std::vector<std::filesystem::path> own_inputs{options.input, drive.scenario.world_file,
+                                                      options.config.file};
+  if (auto checked = refuse_own_inputs(outputs, own_inputs); !checked) {
+    return tl::unexpected(std::move(checked.error()));
   }
   const auto begin = std::chrono::steady_clock::now();
   tl::expected<RecordSummary, WorldError> summary;

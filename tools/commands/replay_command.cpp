@@ -189,17 +189,12 @@ void print(const Replay& result, const std::optional<Evaluation>& evaluation, co
               out.c_str());
 }
 
-/// Of the folders among the inputs those files that are scans.
 tl::expected<void, CommandError> check_outputs_of(const Options& options) {
-  std::vector<std::filesystem::path> inputs = options.inputs;
-  if (const auto found = find_scan_files(options.inputs)) {
-    for (const ScanFile& file : found->scans) {
-      inputs.push_back(file.path);
-    }
-  }
+  std::vector<std::filesystem::path> inputs = files_read(options.inputs, options.config);
   inputs.emplace_back(options.truth);
-  inputs.emplace_back(options.config.file);
-  return refuse_own_inputs(replay_files(options.out), inputs);
+  std::vector<std::filesystem::path> outputs = replay_files(options.out);
+  outputs.emplace_back(options.landmarks);
+  return refuse_own_inputs(outputs, inputs);
 }
 
 /// Exit status EX_DATAERR when the replay is incomplete or the truth has none of its times, after everything

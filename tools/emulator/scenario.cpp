@@ -195,7 +195,8 @@ void read_world(TomlFile& file, Scenario& scenario, const std::filesystem::path&
     file.refuse(file.top().take("world"), "world is the path of a world file");
     return;
   }
-  auto world = load_world(folder / name);
+  scenario.world_file = folder / name;
+  auto world = load_world(scenario.world_file);
   if (!world) {
     file.refuse(file.top().take("world"), "world: " + world.error().message);
     return;

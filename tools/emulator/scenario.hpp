@@ -73,7 +73,8 @@ class StandPlan {
 
 /// All that an emulated head does, from its world to its faults. The same values, the same bytes.
 struct Scenario {
-  WorldConfig world;  ///< its stands, when it has any, are where the sensor is put, in order
+  std::filesystem::path world_file;  ///< that the scenario's own file names; empty: the world is that file
+  WorldConfig world;                 ///< its stands, when it has any, are where the sensor is put, in order
   std::uint64_t seed = 1;
   HeadProfile head;
   SweepConfig mount;  ///< height, roll and pitch of the mount; the rest is not used

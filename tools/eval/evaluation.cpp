@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string_view>
 
 namespace slamsensor::tools {
@@ -122,7 +123,10 @@ std::optional<std::size_t> nearest(const std::vector<TimedPose>& truth, double t
     if (after == truth.begin()) return std::nullopt;
     best = std::prev(after);
   }
-  if (std::abs(best->t - t) > tolerance_s) return std::nullopt;
+  // Decimal times are rounded: 1.02 - 1.0 is more than 0.02.
+  const double rounding_s =
+      2.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(best->t), std::abs(t));
+  if (std::abs(best->t - t) > tolerance_s + rounding_s) return std::nullopt;
   return static_cast<std::size_t>(best - truth.begin());
 }
 

@@ -108,11 +108,40 @@ struct RawPoint {
   double ring = 0.0;
 };
 
-// Whether a place is the sensor's own, as it is where nothing came back. The rounding of a float grows with
-// the distance between the sensor and the origin of the cloud's frame.
+// How far apart two floats are at the sensor's place in the cloud's frame; 0 where coordinates are more
+// exact.
+double float_spacing_m(const PcdHeader& header) {
+  const auto is_float = [&](std::size_t field) {
+    return header.fields[field].type == PcdType::Float && header.fields[field].size_bytes == sizeof(float);
+  };
+  if (header.data == PcdData::Ascii || !(is_float(header.x) || is_float(header.y) || is_float(header.z))) {
+    return 0.0;
+  }
+  const auto farthest_m = static_cast<float>(header.T_cloud_L.translation().cwiseAbs().maxCoeff());
+  return static_cast<double>(std::nextafter(farthest_m, std::numeric_limits<float>::max()) - farthest_m);
+}
+
+// Whether a place is the sensor's own, as it is where nothing came back. The place and VIEWPOINT are rounded:
+// as their texts are, and as floats, whose rounding grows with the distance to the origin of the cloud's
+// frame.
 bool is_at_sensor(double reach_m, const PcdHeader& header) {
-  constexpr double kFloatRounding = 1e-6;
-  return reach_m <= kFloatRounding * header.T_cloud_L.translation().norm();
+  constexpr double kTextRounding = 1e-6;
+  constexpr double kTextRoundingMax_m = 1e-3;
+  const double of_text_m =
+      std::min(kTextRounding * header.T_cloud_L.translation().norm(), kTextRoundingMax_m);
+  return reach_m <= std::max(of_text_m, float_spacing_m(header));
+}
+
+// A remark on coordinates that are too coarse for what they are; empty when they are not.
+std::string remark_on_floats(const PcdHeader& header, std::string_view name) {
+  constexpr double kCoarse_m = 0.01;
+  const double spacing_m = float_spacing_m(header);
+  if (spacing_m <= kCoarse_m) {
+    return {};
+  }
+  return std::string(name) + ": its coordinates are floats of 4 bytes, which are " + shown(spacing_m) +
+         " m apart at its VIEWPOINT, so the scan is that coarse; write SIZE 8, or points relative to the "
+         "sensor";
 }
 
 // Takes a point into the cloud, or counts it as one without direction. What is wrong with it, if anything.
@@ -154,7 +183,8 @@ void remark_on_rest(std::string_view rest, std::string_view name, PointCloud& cl
   constexpr std::string_view kLeftByWriters("\0 \t\r\n", 5);
   if (rest.find_first_not_of(kLeftByWriters) != std::string_view::npos) {
     cloud.remark = std::string(name) + ": " + std::to_string(rest.size()) +
-                   " bytes follow the points that the header declares; they are not read";
+                   " bytes follow the points that the header declares; they are not read" +
+                   (cloud.remark.empty() ? "" : "\n  " + cloud.remark);
   }
 }
 
@@ -373,6 +403,7 @@ tl::expected<PointCloud, InputError> parse_pcd(std::string_view bytes, std::stri
   }
   PointCloud cloud;
   cloud.has_ring = header->ring.has_value();
+  cloud.remark = remark_on_floats(*header, name);
   const std::string_view body = bytes.substr(header->data_offset_bytes);
   const auto read = header->data == PcdData::Ascii    ? read_ascii
                     : header->data == PcdData::Binary ? read_binary

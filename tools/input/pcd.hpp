@@ -30,7 +30,7 @@ struct PointCloud {
   bool has_ring = false;
   std::size_t points_skipped =
       0;  ///< a coordinate is NaN, or all are 0, or it is the sensor's own place: nothing came back
-  std::string remark;  ///< one line on bytes of the file that were not read; empty when there are none
+  std::string remark;  ///< what of the file was not read, or is too coarse; empty when nothing is
 };
 
 /// The cloud in a PCD file's bytes: DATA ascii, binary (little-endian) or binary_compressed. VIEWPOINT is the

@@ -50,6 +50,7 @@ std::optional<ScanFileKind> scan_kind(CsvKind kind) {
       return ScanFileKind::Landmarks;
     case CsvKind::Empty:
     case CsvKind::Map:
+    case CsvKind::Fixes:
     case CsvKind::Other:
       break;
   }
@@ -60,7 +61,9 @@ std::string csv_reason(CsvKind kind) {
   if (kind == CsvKind::Empty) {
     return "is empty; it must start with a line that names its columns";
   }
-  return std::string(kind == CsvKind::Map ? "is a map, not scans" : "names no columns of scans") +
+  return std::string(kind == CsvKind::Map     ? "is a map, not scans"
+                     : kind == CsvKind::Fixes ? "holds the fixes of an earlier run, not scans"
+                                              : "names no columns of scans") +
          "; readings have pan_deg,tilt_deg,range_m[,roll_deg,pitch_deg] and landmark lists "
          "scan,x_m,y_m[,diameter_m[,weight]]";
 }
@@ -102,7 +105,8 @@ tl::expected<std::vector<Path>, InputError> list_folder(const Path& folder) {
     paths.push_back(entry->path());
   }
   if (error) {
-    return refuse(folder.string(), "cannot be listed: " + error.message());
+    return refuse(folder.string(), "cannot be listed: " + error.message() +
+                                       "; make it readable (chmod u+rx), or name its files");
   }
   std::sort(paths.begin(), paths.end());
   return paths;
@@ -157,7 +161,8 @@ void add_csv_of_folder(const Path& path, ScanFiles& files) {
     files.scans.push_back({path, *scans});
   } else {
     files.not_read.push_back(
-        {path, csv_reason(*kind), *kind == CsvKind::Map ? NotReadKind::Companion : NotReadKind::Missed});
+        {path, csv_reason(*kind),
+         *kind == CsvKind::Map || *kind == CsvKind::Fixes ? NotReadKind::Companion : NotReadKind::Missed});
   }
 }
 
@@ -224,7 +229,7 @@ CsvKind csv_kind(std::string_view text) {
     return CsvKind::Other;
   }
   if (names_column("scan")) {
-    return CsvKind::Landmarks;
+    return names_column("status") ? CsvKind::Fixes : CsvKind::Landmarks;
   }
   return names_column("id") ? CsvKind::Map : CsvKind::Other;
 }
@@ -257,15 +262,16 @@ struct Entry {
 
 using Status = tl::expected<void, InputError>;
 
-Status add_list(const ScanFile& file, const firmware::Config& config, std::vector<Entry>& entries) {
+// A list that cannot be read goes to `refused`.
+Status add_list(const ScanFile& file, const firmware::Config& config, std::vector<Entry>& entries,
+                std::vector<InputError>& refused) {
   const std::string name = file.path.string();
   const auto text = read_file(file.path);
-  if (!text) {
-    return tl::unexpected(text.error());
-  }
-  const auto list = parse_landmark_csv(*text, name);
+  const auto list = text ? parse_landmark_csv(*text, name)
+                         : tl::expected<LandmarkList, InputError>(tl::unexpected(text.error()));
   if (!list) {
-    return tl::unexpected(list.error());
+    refused.push_back(list.error());
+    return {};
   }
   if (auto checked = check_landmark_columns(*list, name, config.landmark_list); !checked) {
     return checked;
@@ -330,20 +336,25 @@ Status check_steps(const firmware::Config& config) {
 
 class FileScanSource final : public ScanSource {
  public:
-  FileScanSource(std::vector<Entry> entries, std::vector<NotRead> not_read, std::string order,
-                 const firmware::Config& config)
+  FileScanSource(std::vector<Entry> entries, std::vector<InputError> refused, std::vector<NotRead> not_read,
+                 std::string order, const firmware::Config& config)
       : entries_(std::move(entries)),
+        refused_(std::move(refused)),
         not_read_(std::move(not_read)),
         order_(std::move(order)),
         config_(config) {}
 
-  std::size_t count() const override { return entries_.size(); }
+  std::size_t count() const override { return entries_.size() + refused_.size(); }
 
   tl::expected<std::optional<InputScan>, InputError> next() override {
-    if (at_ == entries_.size()) {
+    if (at_ == count()) {
       return std::optional<InputScan>();
     }
-    const Entry& entry = entries_[at_++];
+    const std::size_t place = at_++;
+    if (place < refused_.size()) {
+      return tl::unexpected(refused_[place]);
+    }
+    const Entry& entry = entries_[place - refused_.size()];
     InputScan scan;
     scan.number = entry.label.number;
     scan.time = entry.label.time;
@@ -394,6 +405,7 @@ class FileScanSource final : public ScanSource {
   }
 
   std::vector<Entry> entries_;
+  std::vector<InputError> refused_;  // given before all entries
   std::vector<NotRead> not_read_;
   std::string order_;
   firmware::Config config_;
@@ -412,11 +424,12 @@ tl::expected<std::unique_ptr<ScanSource>, InputError> open_scans(
     return tl::unexpected(std::move(files.error()));
   }
   std::vector<Entry> entries;
+  std::vector<InputError> refused;
   std::vector<ScanFile> own_files;
   for (const ScanFile& file : files->scans) {
     if (file.kind != ScanFileKind::Landmarks) {
       own_files.push_back(file);
-    } else if (auto added = add_list(file, config, entries); !added) {
+    } else if (auto added = add_list(file, config, entries, refused); !added) {
       return tl::unexpected(std::move(added.error()));
     }
   }
@@ -427,8 +440,8 @@ tl::expected<std::unique_ptr<ScanSource>, InputError> open_scans(
   if (auto ordered = order_entries(entries); !ordered) {
     return tl::unexpected(std::move(ordered.error()));
   }
-  return std::make_unique<FileScanSource>(std::move(entries), std::move(files->not_read), std::move(*order),
-                                          config);
+  return std::make_unique<FileScanSource>(std::move(entries), std::move(refused), std::move(files->not_read),
+                                          std::move(*order), config);
 }
 
 void LeftOut::see(const InputScan& scan) {

@@ -38,7 +38,7 @@ struct InputScan {
   std::size_t landmarks_beyond_max = 0;    ///< of a list: left out (detection.landmarks_max)
   std::size_t landmarks_at_one_place = 0;  ///< of a list: left out, each place counts once
   std::size_t zero_ranges = 0;  ///< of readings: 0 or less, which many devices write when nothing came back
-  std::string remark;           ///< one line on what of its file was not read; empty when all was
+  std::string remark;           ///< what of its file was not read, or is doubtful; empty when nothing is
 };
 
 enum class ScanFileKind : std::uint8_t { Cloud, Readings, Landmarks };
@@ -69,10 +69,11 @@ struct ScanFiles {
 };
 
 /// What the header of a CSV says that it holds.
-enum class CsvKind : std::uint8_t { Empty, Readings, Landmarks, Map, Other };
+enum class CsvKind : std::uint8_t { Empty, Readings, Landmarks, Map, Fixes, Other };
 
 /// Found from the header, however its columns are parted and quoted: a column of readings, or `scan` with
-/// `x_m`, or a map's `id` with `x_m`.
+/// `x_m`, or a map's `id` with `x_m`, or, with `status` beside `scan`, the fixes that replay and locate
+/// write.
 [[nodiscard]] CsvKind csv_kind(std::string_view text);
 
 /// The files that `inputs` (files and folders) name. Every entry of a folder is either a scan or listed as
@@ -107,8 +108,9 @@ class ScanSource {
 /// Opens what `slamsensor replay` takes (DESIGN 6): files, or folders of files, of point clouds (.pcd),
 /// readings (.csv) and landmark lists (.csv; the kind is found from the header). A scan's number and time
 /// come from its file's name (label_scans), or from the list's scan column. An error when a path does not
-/// exist, a folder holds no scan, a number is missing or taken twice, a landmark list is malformed, or a step
-/// in `config` is not positive.
+/// exist, a folder holds no scan, a number is missing or taken twice, a landmark list has not the columns
+/// that `config` asks for, or a step in `config` is not positive. A landmark list that cannot be read is one
+/// scan, the first, that is an error.
 [[nodiscard]] tl::expected<std::unique_ptr<ScanSource>, InputError> open_scans(
     std::span<const std::filesystem::path> inputs, const firmware::Config& config);
 

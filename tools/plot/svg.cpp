@@ -314,16 +314,17 @@ std::string is_picture_name(const std::string& name) {
              : name + " is no picture that can be written: end it in .svg or .png";
 }
 
+std::vector<std::filesystem::path> picture_files(const std::filesystem::path& path) {
+  std::filesystem::path svg = path;
+  return path.extension() == ".png" ? std::vector{svg.replace_extension(".svg"), path} : std::vector{path};
+}
+
 tl::expected<void, OutputError> write_picture(const std::filesystem::path& path, std::string_view svg) {
-  if (path.extension() != ".png") {
-    return write_file(path, svg);
-  }
-  std::filesystem::path beside = path;
-  beside.replace_extension(".svg");
-  if (auto written = write_file(beside, svg); !written) {
+  const std::vector<std::filesystem::path> files = picture_files(path);
+  if (auto written = write_file(files.front(), svg); !written || files.size() == 1) {
     return written;
   }
-  return draw_png(beside, path);
+  return draw_png(files.front(), path);
 }
 
 double draw_scale_bar(SvgWriter& svg, double px_per_m, const core::Point2& corner_px) {

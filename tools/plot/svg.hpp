@@ -107,6 +107,9 @@ double draw_heading(SvgWriter& svg, const std::string& title, const std::vector<
 /// A check of an option that names a picture to be written: what is wrong with its ending, or nothing.
 [[nodiscard]] std::string is_picture_name(const std::string& name);
 
+/// The files that write_picture(path, ...) writes.
+[[nodiscard]] std::vector<std::filesystem::path> picture_files(const std::filesystem::path& path);
+
 /// `path` holds the picture `svg`. A name that ends in .png gets a PNG, and the SVG stands beside it.
 [[nodiscard]] tl::expected<void, OutputError> write_picture(const std::filesystem::path& path,
                                                             std::string_view svg);

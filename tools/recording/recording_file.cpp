@@ -65,6 +65,12 @@ void EventLogReader::pass_over(std::uint64_t bytes) noexcept {
   offset_ += bytes;
 }
 
+std::uint64_t EventLogReader::bytes_passed_over() const noexcept {
+  const std::uint64_t end = truncated_at_.value_or(offset_);
+  const std::uint64_t of_doubtful_event = std::min(end, doubtful_end_) - std::min(end, doubtful_begin_);
+  return passed_over_ - (offset_ - end) - of_doubtful_event;
+}
+
 /// Moves on to the next sync word; false when there is none.
 bool EventLogReader::find_sync() {
   static const auto kSync = sync_bytes();
@@ -114,9 +120,14 @@ std::optional<LogEvent> EventLogReader::event_here() {
   if (read_at(offset_ + bytes.size(), body_) != body_.size()) {
     return std::nullopt;
   }
+  truncated_at_.reset();
+  if (offset_ >= doubtful_end_) {  // no event was found within the last one in doubt
+    passed_over_ = bytes_passed_over();
+  }
+  doubtful_begin_ = is_followed ? 0 : offset_ + bytes.size();
+  doubtful_end_ = is_followed ? 0 : offset_ + head.size();
   offset_ += is_followed ? head.size() : bytes.size();
   last_number_ = head.number;
-  truncated_at_.reset();
   const std::span<const std::uint8_t> body = body_;
   return LogEvent{head.number,
                   head.utime_us,

@@ -45,9 +45,7 @@ class EventLogReader {
   [[nodiscard]] std::optional<LogEvent> next();
 
   /// Bytes that belong to no event, so far; those of a truncated last event are not among them.
-  [[nodiscard]] std::uint64_t bytes_passed_over() const noexcept {
-    return passed_over_ - (truncated_at_ ? offset_ - *truncated_at_ : 0);
-  }
+  [[nodiscard]] std::uint64_t bytes_passed_over() const noexcept;
   /// Whether the log ends within an event.
   [[nodiscard]] bool is_truncated() const noexcept { return truncated_at_.has_value(); }
   /// Where the next event is looked for.
@@ -66,6 +64,8 @@ class EventLogReader {
   std::uint64_t offset_ = 0;
   std::optional<std::int64_t> last_number_;
   std::uint64_t passed_over_ = 0;
+  std::uint64_t doubtful_begin_ = 0;  // of what follows the head of the last event whose lengths are in doubt
+  std::uint64_t doubtful_end_ = 0;
   std::optional<std::uint64_t> truncated_at_;  // unless an event is found behind it
   std::vector<std::uint8_t> body_;
   std::vector<std::uint8_t> window_;

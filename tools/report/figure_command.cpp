@@ -34,6 +34,12 @@ tl::unexpected<CommandError> fail(std::string message, int exit_status) {
   return tl::unexpected(CommandError{std::move(message) + '\n', exit_status});
 }
 
+/// The configuration of a figure that is no input of its own.
+tl::expected<firmware::LoadedConfig, CommandError> prepare(const Options& options) {
+  return refuse_own_inputs(picture_files(options.out), files_read(options.inputs, options.config))
+      .and_then([&] { return load(options.config); });
+}
+
 /// The first `count` scans of the inputs, or those whose numbers are asked for, in that order.
 tl::expected<std::vector<InputScan>, CommandError> read_scans(const Options& options,
                                                               const firmware::Config& config,
@@ -101,7 +107,7 @@ tl::expected<InputScan, CommandError> read_readings(const Options& options, cons
 }
 
 CommandResult run_spiderweb(const Options& options) {
-  const auto config = load(options.config);
+  const auto config = prepare(options);
   if (!config) {
     return tl::unexpected(config.error());
   }
@@ -112,7 +118,7 @@ CommandResult run_spiderweb(const Options& options) {
 }
 
 CommandResult run_scanline(const Options& options) {
-  const auto config = load(options.config);
+  const auto config = prepare(options);
   if (!config) {
     return tl::unexpected(config.error());
   }
@@ -149,7 +155,7 @@ std::vector<core::ScanLandmark> landmarks_of(const InputScan& scan, const core::
 }
 
 CommandResult run_correspondences(const Options& options) {
-  const auto config = load(options.config);
+  const auto config = prepare(options);
   if (!config) {
     return tl::unexpected(config.error());
   }

@@ -9,8 +9,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <string>
@@ -54,18 +56,35 @@ tl::expected<std::optional<AlignedErrors>, CommandError> errors_of(const Options
   return std::move(evaluation->first_fix);
 }
 
-tl::expected<void, CommandError> check_outputs_of(std::span<const ReportPlot> plots,
-                                                  const std::filesystem::path& out, const Options& options) {
+/// A picture of the report and the file it goes to.
+struct ReportPicture {
+  std::filesystem::path path;
+  std::string svg;
+};
+
+tl::expected<void, CommandError> check_outputs_of(std::span<const ReportPicture> pictures,
+                                                  const Options& options) {
   const std::vector<std::filesystem::path> inputs{options.run / "fixes.csv", options.run / "trajectory.tum",
-                                                  options.truth};
+                                                  options.run / "plot.svg", options.truth};
   std::vector<std::filesystem::path> outputs;
-  for (const ReportPlot& plot : plots) {
-    outputs.push_back(out / (plot.name + ".svg"));
-    if (options.png) {
-      outputs.push_back(out / (plot.name + ".png"));
-    }
+  for (const ReportPicture& picture : pictures) {
+    std::ranges::copy(picture_files(picture.path), std::back_inserter(outputs));
   }
   return refuse_own_inputs(outputs, inputs);
+}
+
+/// Trajectory and map, as the replay drew them, if it did, and the plots of its fixes.
+std::vector<ReportPicture> pictures_of(std::span<const ReportPlot> plots, const std::filesystem::path& out,
+                                       const Options& options) {
+  const std::string ending = options.png ? ".png" : ".svg";
+  std::vector<ReportPicture> pictures;
+  if (const auto picture = read_file(options.run / "plot.svg")) {
+    pictures.push_back({out / ("map" + ending), *picture});
+  }
+  for (const ReportPlot& plot : plots) {
+    pictures.push_back({out / (plot.name + ending), draw_curve(plot.plot)});
+  }
+  return pictures;
 }
 
 CommandResult run(const Options& options) {
@@ -83,29 +102,18 @@ CommandResult run(const Options& options) {
     return tl::unexpected(errors.error());
   }
   const std::filesystem::path out = options.out.empty() ? options.run / "report" : options.out;
-  const std::vector<ReportPlot> plots = report_plots(*rows, *errors);
-  if (auto checked = check_outputs_of(plots, out, options); !checked) {
+  const std::vector<ReportPicture> pictures = pictures_of(report_plots(*rows, *errors), out, options);
+  if (auto checked = check_outputs_of(pictures, options); !checked) {
     return tl::unexpected(std::move(checked.error()));
   }
   std::error_code ignored;  // what is wrong shows in the next step
   std::filesystem::create_directories(out, ignored);
-  std::vector<std::pair<std::string, std::string>> pictures;
-  if (const auto picture = read_file(options.run / "plot.svg")) {
-    pictures.emplace_back("map", *picture);  // trajectory and map, as the replay drew them
-  }
-  for (const ReportPlot& plot : plots) {
-    pictures.emplace_back(plot.name, draw_curve(plot.plot));
-  }
-  for (const auto& [name, picture] : pictures) {
-    const std::filesystem::path svg = out / (name + ".svg");
-    const std::filesystem::path png = out / (name + ".png");
-    const auto written = write_picture(options.png ? png : svg, picture);
-    if (!written) {
+  for (const ReportPicture& picture : pictures) {
+    if (const auto written = write_picture(picture.path, picture.svg); !written) {
       return fail(written.error().message, EX_CANTCREAT);
     }
-    std::printf("%s\n", svg.c_str());
-    if (options.png) {
-      std::printf("%s\n", png.c_str());
+    for (const std::filesystem::path& file : picture_files(picture.path)) {
+      std::printf("%s\n", file.c_str());
     }
   }
   return EX_OK;

@@ -276,6 +276,10 @@ tl::expected<WorldConfig, WorldError> parse_world(std::string_view toml, std::st
   if (!root) {
     return tl::unexpected(root.error());
   }
+  if (root->empty()) {
+    return tl::unexpected(
+        WorldError{std::string(name) + ": is empty; a world names its trees, see config/worlds"});
+  }
   WorldConfig config;
   TomlFile file(*root, name);
   if (auto problem = read_world(file, config)) {

@@ -155,6 +155,13 @@ TEST(Evaluation, TheNearestTruthWithinTheToleranceCounts) {
   EXPECT_NEAR(result->first_fix->ate_max_m, 0.0, 1e-12);
 }
 
+TEST(Evaluation, ATimeJustAtTheToleranceCountsHoweverItsDifferenceIsRounded) {
+  EvaluationConfig config;
+  config.time_tolerance_s = 0.02;
+  EXPECT_EQ(evaluate({{{1.0, {}}}}, {{{1.02, {}}}}, config)->fixes_without_truth, 0U);
+  EXPECT_EQ(evaluate({{{1.0, {}}}}, {{{1.020001, {}}}}, config)->fixes_without_truth, 1U);
+}
+
 TEST(Evaluation, LimitsOfAWrongFixAreExclusiveAndConfigurable) {
   const std::vector<TimedPose> truth = straight(3);
   std::vector<TimedPose> fixes = truth;

@@ -264,6 +264,41 @@ TEST(Pcd, TakesThePointsIntoTheFrameOfTheSensor) {
   EXPECT_TRUE(cloud.points[1].position_L.isApprox(positions_L[1], 1e-9));
 }
 
+constexpr double kNorthing_m = 6'094'000.5;
+
+std::string at_northing(std::string file) {
+  const std::string none = "VIEWPOINT 0 0 0 1 0 0 0";
+  return file.replace(file.find(none), none.size(), "VIEWPOINT 0 6094000.5 0 1 0 0 0");
+}
+
+TEST(Pcd, NearPointsCountFarFromTheOriginOfTheirFrame) {
+  std::string binary;
+  for (const double coordinate : {0.25, kNorthing_m + 3.0, 0.5, 0.0, kNorthing_m, 0.0}) {
+    append_value(binary, coordinate);
+  }
+  const std::string ascii = "0.25 6094003.5 0.5\n0 6094000.5 0\n";
+  for (const auto& [data, body] : {std::pair("binary", binary), std::pair("ascii", ascii)}) {
+    const PointCloud cloud =
+        cloud_of(at_northing(pcd_file("x y z", "8 8 8", "F F F", "1 1 1", 2, data, body)));
+    ASSERT_EQ(cloud.points.size(), 1U) << data;
+    EXPECT_EQ(cloud.points_skipped, 1U) << data;
+    EXPECT_TRUE(cloud.points[0].position_L.isApprox(Eigen::Vector3d(0.25, 3.0, 0.5), 1e-9)) << data;
+    EXPECT_EQ(cloud.remark, "") << data;
+  }
+}
+
+TEST(Pcd, SaysWhereFloatsAreTooCoarseForTheirPlace) {
+  std::string body;
+  for (const double coordinate : {0.25, kNorthing_m + 3.0, 0.5, 0.0, kNorthing_m, 0.0}) {
+    append_value(body, static_cast<float>(coordinate));
+  }
+  const PointCloud cloud =
+      cloud_of(at_northing(pcd_file("x y z", "4 4 4", "F F F", "1 1 1", 2, "binary", body)));
+  EXPECT_EQ(cloud.points.size(), 1U);
+  EXPECT_EQ(cloud.points_skipped, 1U);
+  EXPECT_THAT(cloud.remark, AllOf(HasSubstr("0.5 m apart"), HasSubstr("SIZE 8")));
+}
+
 TEST(Pcd, AnOrganisedCloudIsMovedToo) {
   std::string text = pcd_xyz(4, "ascii", "2 3 4\nnan nan nan\n1 4 4\n1 3 6\n");
   for (const auto& [from, to] : {std::pair("WIDTH 4", "WIDTH 2"),

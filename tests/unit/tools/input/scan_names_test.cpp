@@ -72,6 +72,59 @@ TEST(ScanNames, NanosecondsWithoutLeadingZerosAreDistinguishedFromDecimals) {
   EXPECT_THAT(times_ns({"1600000001.12345678912.pcd"}), ElementsAre(1'600'000'001'123'456'789));
 }
 
+TEST(ScanNames, AStampStaysOneWhateverNumbersFollow) {
+  EXPECT_THAT(times_ns({"1600000002.100000000_cam3.pcd", "1600000001.900000000_cam3.pcd"}),
+              ElementsAre(1'600'000'002'100'000'000, 1'600'000'001'900'000'000));
+  EXPECT_THAT(times_ns({"1600000002.100000000_1.pcd", "1600000001.900000000_2_3.pcd"}),
+              ElementsAre(1'600'000'002'100'000'000, 1'600'000'001'900'000'000));
+}
+
+TEST(ScanNames, AStampMayHaveNoFractionBesideOthersThatHave) {
+  EXPECT_THAT(times_ns({"1600000002.pcd", "1600000001.5.pcd", "1600000001.25.pcd"}),
+              ElementsAre(1'600'000'002'000'000'000, 1'600'000'001'500'000'000, 1'600'000'001'250'000'000));
+  EXPECT_THAT(error_of({"1600000001.5.pcd", "160000002.pcd"}), HasSubstr("160000002.pcd: has no time stamp"));
+}
+
+TEST(ScanNames, DatesWithATimeOfDayAreTimes) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  constexpr std::int64_t kNoon = 1'718'452'800 * kSecond;  // 2024-06-15T12:00:00Z
+  EXPECT_THAT(times_ns({"2024-06-15T12:00:01.250000.pcd", "2024-06-15T12:00:01.pcd"}),
+              ElementsAre(kNoon + 1'250'000'000, kNoon + kSecond));
+  EXPECT_THAT(
+      times_ns({"2024-06-15_12-00-02.pcd", "2024-06-15_12-00-01.5.pcd", "2024-06-15_12-00-01.123.pcd"}),
+      ElementsAre(kNoon + 2 * kSecond, kNoon + 1'500'000'000, kNoon + 1'123'000'000));
+  EXPECT_THAT(times_ns({"cam1_20240615T120000Z.pcd", "cam1_20240614T120000Z.pcd"}),
+              ElementsAre(kNoon, kNoon - 86'400 * kSecond));
+  EXPECT_THAT(times_ns({"20240615_120000_500.pcd", "20240615_120000_040.pcd"}),
+              ElementsAre(kNoon + 500'000'000, kNoon + 40'000'000));
+  EXPECT_THAT(times_ns({"20240615120000007.pcd"}), ElementsAre(kNoon + 7'000'000));
+  EXPECT_THAT(numbers({"2024-06-15T12:00:00.pcd", "2024-06-14T23:00:00.pcd"}), ElementsAre(1, 0));
+  EXPECT_THAT(label_scans(Paths{"20240615T120000.pcd"})->rule, HasSubstr("UTC"));
+}
+
+TEST(ScanNames, OneDateInAllNamesIsThatOfTheRun) {
+  EXPECT_THAT(numbers({"2024-06-15_12-00-02_f7.pcd", "2024-06-15_12-00-02_f4.pcd"}), ElementsAre(7, 4));
+  EXPECT_THAT(numbers({"15-06-2024_f7.pcd", "15-06-2024_f4.pcd"}), ElementsAre(7, 4));
+  EXPECT_THAT(numbers({"2024-13-15_12-00-02.pcd", "2024-13-15_12-00-01.pcd"}), ElementsAre(2, 1))
+      << "no month, so no date";
+}
+
+TEST(ScanNames, RefusesDifferentDatesWithTheYearLast) {
+  EXPECT_THAT(
+      error_of({"03-02-2024_10-00-00.pcd", "04-01-2024_10-00-00.pcd"}),
+      AllOf(HasSubstr("04-01-2024_10-00-00.pcd: has the date 04-01-2024"), HasSubstr("YEAR-MONTH-DAY")));
+}
+
+TEST(ScanNames, SecondsOfASimulationAreTimes) {
+  EXPECT_THAT(times_ns({"12.500000000.pcd", "9.100000000.pcd"}), ElementsAre(12'500'000'000, 9'100'000'000));
+  EXPECT_THAT(times_ns({"12.500000.pcd", "13.100000.pcd"}), ElementsAre(12'500'000'000, 13'100'000'000));
+  EXPECT_THAT(times_ns({"12.5.pcd", "13.0.pcd", "9.1.pcd"}),
+              ElementsAre(12'500'000'000, 13'000'000'000, 9'100'000'000));
+  EXPECT_THAT(numbers({"t0.5.pcd", "t0.55.pcd", "t0.6.pcd"}), ElementsAre(0, 1, 2));
+  EXPECT_THAT(numbers({"plot1.9.pcd", "plot1.10.pcd", "plot1.11.pcd"}), ElementsAre(9, 10, 11))
+      << "a counter";
+}
+
 TEST(ScanNames, ANumberBehindSecondsIsNoFractionByItself) {
   EXPECT_THAT(numbers({"1600000002_12.pcd", "1600000001_13.pcd"}), ElementsAre(1600000002, 1600000001));
   EXPECT_THAT(numbers({"1600000001_2.pcd", "1600000001_10.pcd"}), ElementsAre(2, 10));

@@ -173,6 +173,31 @@ TEST(ScanSource, GoesOnAfterAScanThatIsRefused) {
   EXPECT_THAT(again->next().error().message, HasSubstr("does not exist"));
 }
 
+TEST(ScanSource, GoesOnAfterALandmarkListThatIsRefused) {
+  const TempFolder folder;
+  folder.write("s_1.pcd", kCloud);
+  folder.write("bad.csv", "scan,x_m,y_m\n7,1,2\n7,far,3\n");
+  folder.write("trees.csv", "scan,x_m,y_m\n3,1,2\n");
+  auto source = open_scans(std::vector<path>{folder.path()}, {}).value();
+  EXPECT_EQ(source->count(), 3U);
+  EXPECT_THAT(source->next().error().message, HasSubstr("bad.csv:3"));
+  EXPECT_EQ(source->next().value()->number, 1);
+  EXPECT_EQ(source->next().value()->number, 3);
+  EXPECT_FALSE(source->next().value());
+}
+
+TEST(ScanSource, TheFixesOfAnEarlierRunAreNoScans) {
+  const TempFolder folder;
+  folder.write("s_1.pcd", kCloud);
+  const path fixes = folder.write("fixes.csv", "scan,status,reason,x_m,y_m\n1,fix,,0,0\n");
+  const auto source = open_scans(std::vector<path>{folder.path()}, {}).value();
+  EXPECT_EQ(source->count(), 1U);
+  ASSERT_EQ(source->not_read().size(), 1U);
+  EXPECT_EQ(source->not_read()[0].kind, NotReadKind::Companion);
+  EXPECT_THAT(source->not_read()[0].reason, HasSubstr("fixes of an earlier run"));
+  EXPECT_THAT(open_error({fixes}), HasSubstr("fixes of an earlier run"));
+}
+
 TEST(ScanSource, AppliesTheConfigToLists) {
   const TempFolder folder;
   const path list = folder.write("trees.csv", "scan,x_m,y_m\n0,1,0\n0,2,0\n0,400,0\n");

@@ -82,6 +82,20 @@ TEST(EventLogReader, ATruncatedTailIsTheEnd) {
   EXPECT_TRUE(read_all("").events.empty());
 }
 
+TEST(EventLogReader, CountsOnlyTheBytesBehindTheLastEvent) {
+  const std::string whole = written(sample_events());
+  for (const std::string& more :
+       {std::string(1, '\0'), std::string("some text"), std::string(5'000, '\xED')}) {
+    const Read read = read_all(whole + more);
+    EXPECT_EQ(read.events, sample_events());
+    EXPECT_EQ(read.passed_over, more.size());
+    EXPECT_FALSE(read.is_truncated);
+    const Read twice = read_all(whole + more + whole);
+    EXPECT_EQ(twice.events.size(), 2 * sample_events().size());
+    EXPECT_EQ(twice.passed_over, more.size());
+  }
+}
+
 TEST(EventLogReader, HuntsForTheNextEvent) {
   const std::string whole = written(sample_events());
   const Read begun_late = read_all(whole.substr(1));
