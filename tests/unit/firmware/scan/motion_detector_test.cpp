@@ -227,7 +227,8 @@ TEST(MotionDetector, AScanOfFewLinesIsJudgedAtItsEnd) {
           detector.add(scene.sweep(line, (line - 1.0) * kTiltStep_rad));  // about the horizon
         }
         detector.end_scan();
-        EXPECT_EQ(detector.has_moved(), moved_at < kFew) << "seed " << seed << ", line " << moved_at << ", " << to.x_m << " m";
+        EXPECT_EQ(detector.has_moved(), moved_at < kFew)
+            << "seed " << seed << ", line " << moved_at << ", " << to.x_m << " m";
       }
     }
   }
