@@ -450,6 +450,12 @@ class Cli(unittest.TestCase):
         pictures = self.folder / "pictures"
         pictures.mkdir()
         (pictures / "map.svg").symlink_to(plot)
+        def picture(of):
+            """A name that a picture may have, and that leads to `of`."""
+            name = self.folder / f"to_{of.stem}.svg"
+            name.symlink_to(of)
+            return name
+
         for inputs, arguments in [
             ([scans], ["replay", "--out", self.out, scans]),
             ([scans], ["replay", "--out", self.out, self.out]),
@@ -473,10 +479,10 @@ class Cli(unittest.TestCase):
             ([s], ["replay", "--out", self.folder / "r", "--landmarks", link, s]),
             ([truth], ["replay", "--out", self.folder / "r", "--landmarks", truth, "--truth", truth, s]),
             ([cloud], ["replay", "--out", self.folder / "r", "--landmarks", cloud, clouds]),
-            ([cloud], ["figure", "spiderweb", cloud, "--out", cloud]),
-            ([cloud], ["figure", "scanline", clouds, "--out", cloud]),
-            ([s], ["figure", "correspondences", s, "--out", link]),
-            ([config], ["figure", "spiderweb", "--config", config, cloud, "--out", config]),
+            ([cloud], ["figure", "spiderweb", cloud, "--out", picture(cloud)]),
+            ([cloud], ["figure", "scanline", clouds, "--out", self.folder / "to_scan_1.svg"]),
+            ([s], ["figure", "correspondences", s, "--out", picture(s)]),
+            ([config], ["figure", "spiderweb", "--config", config, cloud, "--out", picture(config)]),
             ([beside], ["figure", "spiderweb", cloud, "--config", beside, "--out", beside.with_suffix(".png")]),
             ([plot], ["report", run_of_s, "--out", pictures]),
         ]:
@@ -559,9 +565,11 @@ class Cli(unittest.TestCase):
     def test_full_disk_is_an_error(self):
         if not pathlib.Path("/dev/full").exists():
             self.skipTest("no /dev/full here")
-        code, _, errors = run("edges", "--points", 50, "--depth", 2, "--sets", 1, "--out", "/dev/full")
+        full = self.folder / "full.svg"
+        full.symlink_to("/dev/full")
+        code, _, errors = run("edges", "--points", 50, "--depth", 2, "--sets", 1, "--out", full)
         self.assertEqual(code, CANTCREAT)
-        self.assertIn("/dev/full", errors)
+        self.assertIn(str(full), errors)
 
 
 if __name__ == "__main__":
