@@ -188,7 +188,8 @@ void Atlas::learn_from(const Weighed& w) noexcept {
   }
 }
 
-/// All that a survey teaches, which says what stands where but not how well this sensor measures it.
+/// All that a survey teaches, which says what stands where but not how well this sensor measures it. A survey
+/// is not equally good everywhere: where it is best must not teach that no other part can be matched.
 void Atlas::learn_spread(const Weighed& w) noexcept {
   double scaled2 = 0.0;
   for (const Match& match : w.candidate.matches) {
@@ -196,8 +197,10 @@ void Atlas::learn_spread(const Weighed& w) noexcept {
     scaled2 += (seen_W - graph_.positions()[match.map]).squaredNorm() /
                (1.0 + 1.0 / static_cast<double>(graph_.standing()[match.map].sightings));
   }
-  rates_.spread_m2 += scaled2;
-  rates_.spread_count += std::max(0.0, 2.0 * static_cast<double>(w.candidate.matches.size()) - 3.0);
+  const double axes = std::max(0.0, 2.0 * static_cast<double>(w.candidate.matches.size()) - 3.0);
+  const double least_m = is_surveyed_ ? kSurveySharpest * scale_.start_sigma_m() : 0.0;
+  rates_.spread_m2 += std::max(scaled2, axes * least_m * least_m);
+  rates_.spread_count += axes;
   if (rates_.spread_count > kRatesMemory) {
     rates_.spread_m2 *= 0.5;
     rates_.spread_count *= 0.5;

@@ -80,7 +80,8 @@ inline constexpr double kUnknownOffset_m =
 inline constexpr double kUnknownOffset_rad = 0.4 * kDegree;
 inline constexpr double kMeanSigmaShare = 0.7;  // spread of a mean of two sightings or more, of a scan's
 inline constexpr std::uint32_t kProbeLandmarks =
-    40;  // of a place of the map that is held against the map itself
+    40;                                         // of a place of the map that is held against the map itself
+inline constexpr double kSurveySharpest = 0.5;  // of the usual spread: no survey teaches a smaller one
 inline constexpr double kSurveyedAbout_m = ExploredGround::kCell_m;
 inline constexpr std::uint32_t kLoopScans =
     20;  // a landmark unseen for so long closes a loop when it is seen again

@@ -226,6 +226,30 @@ TEST(Localizer, ASurveyTeachesHowFarLandmarksScatterAboutIt) {
   EXPECT_GT(taught, alone + 5) << alone << " alone";
 }
 
+// What a precise part of a survey teaches must not silence the sensor where the survey is less so.
+TEST(Localizer, APoorPartOfASurveyIsStillFoundAfterAGoodOne) {
+  Draw draw(29);
+  const Forest forest = tests::make_forest(180, draw);
+  Forest survey = forest;
+  for (Point2& p_W : survey.trees_W) {
+    p_W += p_W.x() > 0.0 ? Point2(draw.normal(0.2), draw.normal(0.2)) : Point2(0.0, 0.0);
+  }
+  tests::InArena<Localizer> localizer(localizer_config(SearchMethod::Fast));
+  ASSERT_TRUE(localizer->set_map(survey.trees_W));
+  const auto fixes_between = [&](double from_m, double to_m) {
+    int fixes = 0;
+    for (int i = 0; i < 60; ++i) {
+      const Pose2 truth{draw.uniform(from_m, to_m), draw.uniform(-30.0, 30.0), draw.uniform(-3.0, 3.0)};
+      const auto scan = tests::scan_forest(forest, truth, {.sigma_m = 0.02}, draw);
+      const Fix fix = localizer->locate(tests::as_landmarks(scan), {}, {});
+      fixes += fix.status == FixStatus::Fix && tests::is_right(fix.pose_W, truth) ? 1 : 0;
+    }
+    return fixes;
+  };
+  EXPECT_GE(fixes_between(-40.0, -20.0), 57);
+  EXPECT_GE(fixes_between(20.0, 40.0), 50);
+}
+
 TEST_P(LocalizerBySearch, AMapThatDoesNotFitOrIsNoneIsRefused) {
   EXPECT_FALSE(localizer->set_map(std::vector<Point2>(501, Point2(1, 1))));
   EXPECT_EQ(locate({{0, 0}, {5, 1}, {3, 7}}).landmarks_in_map, 0U);
