@@ -26,10 +26,16 @@ tl::unexpected<ControlError> refusal_of(const StoreError& error) {
     case StoreFault::Refused:
     case StoreFault::InUse:
       return refusal(ControlErrorCode::Refused, error.message);
+    case StoreFault::Busy:
+      return refusal(ControlErrorCode::Busy, error.message);
     case StoreFault::Io:
       break;
   }
   return refusal(ControlErrorCode::Failed, error.message);
+}
+
+tl::unexpected<ControlError> refusal_as_busy() {
+  return refusal(ControlErrorCode::Busy, "the map is being changed by another request; try again");
 }
 
 constexpr std::string_view kBeforeReset = "-before-reset";
@@ -107,7 +113,7 @@ bool MapKeeper::give(Pending pending) {
 
 ControlOutcome MapKeeper::ask(Pending pending) {
   if (!give(std::move(pending))) {
-    return refusal(ControlErrorCode::Busy, "the map is being changed by another request; try again");
+    return refusal_as_busy();
   }
   return std::nullopt;
 }
@@ -122,7 +128,7 @@ std::vector<MapKeeper::Answer> MapKeeper::step(const OutputTime& now) {
   if (mode_wanted_ && !set_mode(0, *mode_wanted_, now)) {
     mode_wanted_.reset();  // given; else another order is under way
   }
-  if (!is_frozen_ && policy_.is_due(revision(), now.monotonic)) {
+  if (!is_frozen_ && !is_replacing() && policy_.is_due(revision(), now.monotonic)) {
     if (auto saved = store(name_, now); !saved) {
       log_.error(saved.error().message);
     }
@@ -207,7 +213,17 @@ bool MapKeeper::is_unsaved() const {
   return policy_.is_unsaved(revision());
 }
 
+/// From the order until its answer the SLAM thread may have the next map already, while name_ and about_ are
+/// those of the last one.
+bool MapKeeper::is_replacing() const {
+  return pending_ && (pending_->kind == MapCommand::Restore || pending_->kind == MapCommand::Reset);
+}
+
 tl::expected<std::string, StoreError> MapKeeper::store(const std::string& name, const OutputTime& now) {
+  if (is_replacing()) {
+    return store_failure(StoreFault::Busy,
+                         "map '" + name + "': not saved: a map load or reset is under way; try again");
+  }
   MapAbout about = about_;
   about.name = name;
   about.method = method_of(config_.core);
@@ -247,7 +263,7 @@ void MapKeeper::save_now(const OutputTime& now) {
   }
   if (auto saved = store(name_, now)) {
     log_.notice(*saved);
-  } else if (saved.error().fault == StoreFault::Missing) {
+  } else if (saved.error().fault == StoreFault::Missing || saved.error().fault == StoreFault::Busy) {
     log_.info(saved.error().message);
   } else {
     log_.error(saved.error().message);
@@ -351,6 +367,9 @@ ControlOutcome MapKeeper::load(ControlToken token, std::string_view name) {
 
 /// What the map was before stays under a name of its own: the next saves would replace both generations.
 ControlOutcome MapKeeper::reset(ControlToken token, const OutputTime& now) {
+  if (pending_) {
+    return refusal_as_busy();
+  }
   if (is_frozen_) {
     return refusal(ControlErrorCode::Refused, "the map is frozen; unfreeze it first");
   }
@@ -367,6 +386,9 @@ ControlOutcome MapKeeper::reset(ControlToken token, const OutputTime& now) {
 }
 
 ControlOutcome MapKeeper::set_mode(ControlToken token, MapMode mode, const OutputTime& now) {
+  if (pending_) {
+    return refusal_as_busy();
+  }
   if (mode == MapMode::Frozen && !is_frozen_ && is_unsaved()) {
     if (auto saved = store(name_, now); !saved) {
       log_.warning("the map is frozen with changes that are not saved: " + saved.error().message);

@@ -82,6 +82,7 @@ class MapKeeper {
   [[nodiscard]] bool is_published(const SlamAnswer& answer) const;
   void finish_order(hal::Stamp now);
   [[nodiscard]] ControlResult carried_out(const Pending& pending, const SlamAnswer& answer, hal::Stamp now);
+  [[nodiscard]] bool is_replacing() const;
   [[nodiscard]] tl::expected<std::string, StoreError> store(const std::string& name, const OutputTime& now);
   void forget_map(std::uint64_t revision);
   [[nodiscard]] std::uint64_t revision() const;

@@ -22,6 +22,7 @@ enum class StoreFault : std::uint8_t {
   Refused,  ///< what is there is no good map, or what is to be saved is none
   Io,       ///< disk full, read-only, not allowed, broken, ...
   InUse,    ///< another process has the folder
+  Busy,     ///< not at this moment
 };
 
 struct StoreError {

@@ -11,7 +11,7 @@ import tty
 import unittest
 
 import nmea
-from sensor import STOP_MAX_S, FrozenThread, Refused, Sensor, error_of, wait_for
+from sensor import STOP_MAX_S, Control, Refused, Sensor, error_of, wait_for
 
 PROGRAMS = sys.argv[1:3]
 DATUM = {"datum.latitude_deg": 48.0, "datum.longitude_deg": 11.0, "datum.height_m": 500.0, "datum.bearing_deg": 90.0}
@@ -171,6 +171,27 @@ class Running(unittest.TestCase):
         self.ask("map save default")
         self.ask("map load default")
 
+    def test_nothing_is_saved_while_another_map_is_being_loaded(self):
+        """Between the SLAM thread's work and the answer the next map had the last one's name and history."""
+        self.sensor.wait_fix()
+        self.ask("map save kept")
+        self.ask("map save default")
+        self.ask("config set map.autosave_s 0.01")
+        self.addCleanup(self.ask, "config set map.autosave_s 60")
+        other = Control(self.sensor.folder / "control")
+        self.addCleanup(other.close)
+        with self.sensor.frozen_thread("publish", self):  # the answer comes when the status that others see is that after it
+            before = {path.name: path.read_bytes() for path in self.sensor.maps.glob("default*.slammap*")}
+            other.send("map load kept")
+            time.sleep(1.0)
+            for request in ("map save", "map save copy", "map reset", "map freeze"):
+                self.refused(request, "busy")
+            after = {path.name: path.read_bytes() for path in self.sensor.maps.glob("default*.slammap*")}
+        self.assertIn("'kept' loaded", other.answer()[1])
+        self.assertEqual(before, after)
+        self.ask("map save default")
+        self.ask("map load default")
+
     def test_before_the_first_scan_in_a_map_there_is_no_scan_yet(self):
         self.sensor.wait_fix()
         self.ask("map save kept")
@@ -288,19 +309,12 @@ class Ends(unittest.TestCase):
         times = manager.times("WATCHDOG=1")
         self.assertLess(max(b - a for a, b in zip(times, times[1:])), 0.9)
         self.sensor.wait_status(lambda s: s["devices"]["rangefinder"]["state"] == "ready", "the devices")
-        try:
-            frozen = FrozenThread(self.sensor.daemon.pid, "scan")
-            frozen.__enter__()
-        except PermissionError as error:
-            self.skipTest(f"SKIPPED: a thread cannot be stopped: {error}")
-        try:
+        with self.sensor.frozen_thread("scan", self):
             wait_for(lambda: "thread scan has made no progress" in self.sensor.log(), "the stall to be told")
             manager.forget()
             time.sleep(1.5)
             self.assertEqual(manager.times("WATCHDOG=1"), [])
             self.assertIsNone(self.sensor.daemon.poll())
-        finally:
-            frozen.__exit__()
         wait_for(lambda: manager.times("WATCHDOG=1"), "the watchdog to be fed again")
         self.sensor.wait_fix()
 

@@ -72,9 +72,15 @@ class Control:
         self.stream = self.socket.makefile("rw", encoding="utf-8", newline="\n")
 
     def ask(self, request):
-        """The lines of the answer, and its last one without OK."""
+        self.send(request)
+        return self.answer()
+
+    def send(self, request):
         self.stream.write(request + "\n")
         self.stream.flush()
+
+    def answer(self):
+        """The lines of the next answer, and its last one without OK."""
         lines = []
         for line in self.stream:
             if not line.endswith("\n"):
@@ -87,7 +93,7 @@ class Control:
                 assert word == "ERROR", line
                 raise Refused(rest)
             lines.append(line[1:])
-        raise ConnectionError(f"no whole answer to {request}")
+        raise ConnectionError("no whole answer")
 
     def close(self):
         try:
@@ -138,13 +144,13 @@ class FrozenThread:
         tasks = pathlib.Path(f"/proc/{process}/task")
         self.thread = next(int(task.name) for task in tasks.iterdir() if (task / "comm").read_text().strip() == name)
         self.libc = ctypes.CDLL(None, use_errno=True)
+        self._trace(self.SEIZE)  # it goes on until it is interrupted
 
     def _trace(self, request):
         if self.libc.ptrace(ctypes.c_long(request), ctypes.c_long(self.thread), ctypes.c_void_p(), ctypes.c_void_p()):
             raise PermissionError(ctypes.get_errno(), "ptrace")
 
     def __enter__(self):
-        self._trace(self.SEIZE)
         self._trace(self.INTERRUPT)
         os.waitpid(self.thread, self.WALL)
         return self
@@ -283,6 +289,13 @@ class Sensor:
         self.daemon.kill()
         self.daemon.wait(PATIENCE_S)
         self.daemon = None
+
+    def frozen_thread(self, name, test):
+        """One of the daemon's threads, to stand still inside of a with statement; the test is skipped where that is denied."""
+        try:
+            return FrozenThread(self.daemon.pid, name)
+        except PermissionError as error:
+            test.skipTest(f"SKIPPED: a thread cannot be stopped: {error}")
 
     def _forget_client(self):
         if self.client:
