@@ -5,6 +5,22 @@
 
 namespace slamsensor::core {
 
+void Candidate::name_triangle(std::span<const std::uint32_t, 3> corners) noexcept {
+  std::size_t named = 0;
+  const auto name = [&](const Match& match) {
+    auto* const end = triangle.begin() + named;
+    if (named < 3 && std::find(triangle.begin(), end, match.map) == end) {
+      triangle[named++] = match.map;
+    }
+  };
+  for (const Match& match : matches) {
+    if (std::find(corners.begin(), corners.end(), match.scan) != corners.end()) {
+      name(match);
+    }
+  }
+  std::for_each(matches.begin(), matches.end(), name);
+}
+
 ScanMoments::ScanMoments(std::span<const Point2> scan_L) noexcept {
   for (const Point2& p : scan_L) {
     mean_L_ += p;

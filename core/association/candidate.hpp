@@ -24,6 +24,10 @@ struct Candidate {
   double score = 0.0;         ///< of the fast search: log likelihood of its matches against chance
   double log10_chance = 0.0;  ///< bound on the chance that a wrong pose does as well (significance.hpp)
 
+  /// The triangle is the landmarks of the map that the `corners` of the scan match, and others of the matches
+  /// where a corner has none.
+  void name_triangle(std::span<const std::uint32_t, 3> corners) noexcept;
+
   /// More matches are better; among equals the smaller residual (the paper).
   [[nodiscard]] bool matches_more_than(const Candidate& other) const noexcept {
     return matches.size() != other.matches.size() ? matches.size() > other.matches.size()

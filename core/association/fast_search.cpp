@@ -35,8 +35,10 @@ constexpr float kPricePerRank = 0.5F;            // farther neighbours are less 
 constexpr double kWindowSigmas = 1.6;      // of a side: most of what is right at a third of the cost of all
 constexpr double kLooseGate = 1.4;         // in tolerances: a pose of three landmarks is not precise
 constexpr std::uint32_t kFailuresMax = 3;  // tries at one place that may fail before it is left alone
+constexpr std::uint32_t kRefinedMost = 2;  // first fits at one place that are followed to their end
 constexpr int kRounds = 4;                 // of matching and fitting
 constexpr std::uint32_t kMatchesMin = 4;   // three match by construction: only a fourth says anything
+constexpr double kRefinementGain = 10.0;   // nats that more rounds hardly ever bring
 constexpr double kRobustScale = 2.0;       // of the robust fit, in sigmas
 
 /// Pairs of neighbours, the nearest first: (0,1), (0,2), (1,2), (0,3), ...
@@ -408,7 +410,7 @@ void FastSearch::try_pose(const Wanted& wanted, const Turned& turned, std::uint3
     ++tried.failures;
     return;
   }
-  tried.failures = kFailuresMax;
+  tried.failures = std::max(tried.failures, kFailuresMax);
   refine(move.pose(), map, wanted, found);
 }
 
@@ -515,36 +517,30 @@ void FastSearch::refine(const Pose2& pose, MapSlot map, const Wanted& wanted, Ca
       break;
     }
     before = candidate.matches.size();
+    if (round > 0 && score(before, candidate.residual_m2) + kRefinementGain < worth_) {
+      return;
+    }
     candidate.pose_W = fit_pose_robust(candidate.pose_W, candidate.matches.span(), scan_, positions_,
                                        round == 0 ? gate_m : kRobustScale * model_.sigma_m);
+    if (round == 0 && is_refined_enough(candidate.pose_W, map)) {
+      return;
+    }
   }
   candidate.residual_m2 = match(candidate.pose_W, map, tight_m, candidate.matches);
   candidate.score = score(candidate.matches.size(), candidate.residual_m2);
   if (candidate.matches.size() >= kMatchesMin) {
-    tried_at(RigidMotion(candidate.pose_W), map).failures = kFailuresMax;
-    name_triangle(wanted, candidate);
+    Tried& tried = tried_at(RigidMotion(candidate.pose_W), map);
+    tried.failures = std::max(tried.failures, kFailuresMax);
+    candidate.name_triangle(wanted.scan);
     offer(candidate, found);
   }
 }
 
-/// The landmarks of the map that the corners match; others of the matches where a corner has none.
-void FastSearch::name_triangle(const Wanted& wanted, Candidate& candidate) const noexcept {
-  std::size_t named = 0;
-  const auto name = [&](const Match& match) {
-    const auto* const end = candidate.triangle.begin() + named;
-    if (named < 3 &&
-        std::find(candidate.triangle.begin(), candidate.triangle.begin() + named, match.map) == end) {
-      candidate.triangle[named++] = match.map;
-    }
-  };
-  for (const Match& match : candidate.matches) {
-    if (std::find(wanted.scan.begin(), wanted.scan.end(), match.scan) != wanted.scan.end()) {
-      name(match);
-    }
-  }
-  for (const Match& match : candidate.matches) {
-    name(match);
-  }
+/// Whether other triangles led to this place already; this one counts, too.
+bool FastSearch::is_refined_enough(const Pose2& pose, MapSlot map) noexcept {
+  Tried& tried = tried_at(RigidMotion(pose), map);
+  tried.failures = std::max(tried.failures, kFailuresMax) + 1;
+  return tried.failures > kFailuresMax + kRefinedMost;
 }
 
 FastSearch::Tried& FastSearch::tried_at(const RigidMotion& move, MapSlot map) noexcept {
@@ -565,10 +561,12 @@ FastSearch::Tried& FastSearch::tried_at(const RigidMotion& move, MapSlot map) no
   return tried;
 }
 
-/// Keeps the best candidate of each place, by rank.
+/// Keeps the best candidate of each place, by rank. Most places are too far apart for a closer look.
 void FastSearch::offer(const Candidate& candidate, Candidates& found) noexcept {
+  const double apart_m = config_.tolerance_m + 2.0 * middle_.norm();
   const auto is_same = [&](const Candidate& other) {
     return other.map == candidate.map &&
+           (other.pose_W.translation() - candidate.pose_W.translation()).norm() <= apart_m &&
            moments_.displacement_m(other.pose_W, candidate.pose_W) <= config_.tolerance_m;
   };
   if (std::any_of(found.list.begin(), found.list.end(),

@@ -8,64 +8,74 @@ namespace slamsensor::core {
 
 namespace {
 
-/// Weighted closed-form fit; `weight_of(match)` is not negative.
+/// Weighted closed-form fit in one pass, about the first match; `weight_of(scan point, map point)` is not
+/// negative.
 template <typename WeightOf>
-std::optional<Pose2> fit_weighted(std::span<const Match> matches, std::span<const Point2> scan_L,
-                                  std::span<const Point2> map_W, WeightOf&& weight_of) noexcept {
-  Point2 mean_L = Point2::Zero();
-  Point2 mean_W = Point2::Zero();
-  double total = 0.0;
-  for (const Match& m : matches) {
-    const double weight = weight_of(m);
-    mean_L += weight * scan_L[m.scan];
-    mean_W += weight * map_W[m.map];
-    total += weight;
-  }
-  if (matches.size() < 2 || total <= 0.0) {
+std::optional<RigidMotion> fit_weighted(std::span<const Match> matches, std::span<const Point2> scan_L,
+                                        std::span<const Point2> map_W, WeightOf&& weight_of) noexcept {
+  if (matches.size() < 2) {
     return std::nullopt;
   }
-  mean_L /= total;
-  mean_W /= total;
+  const Point2& first_L = scan_L[matches[0].scan];
+  const Point2& first_W = map_W[matches[0].map];
+  double total = 0.0;
+  double lx = 0.0, ly = 0.0, wx = 0.0, wy = 0.0;  // weighted sums
   double dot = 0.0;
   double cross = 0.0;
   for (const Match& m : matches) {
-    const double weight = weight_of(m);
-    const Point2 l = scan_L[m.scan] - mean_L;
-    const Point2 w = map_W[m.map] - mean_W;
-    dot += weight * l.dot(w);
-    cross += weight * (l.x() * w.y() - l.y() * w.x());
+    const Point2& p = scan_L[m.scan];
+    const Point2& q = map_W[m.map];
+    const double weight = weight_of(p, q);
+    const double px = p.x() - first_L.x();
+    const double py = p.y() - first_L.y();
+    const double qx = q.x() - first_W.x();
+    const double qy = q.y() - first_W.y();
+    total += weight;
+    lx += weight * px;
+    ly += weight * py;
+    wx += weight * qx;
+    wy += weight * qy;
+    dot += weight * (px * qx + py * qy);
+    cross += weight * (px * qy - py * qx);
   }
+  if (total <= 0.0) {
+    return std::nullopt;
+  }
+  dot -= (lx * wx + ly * wy) / total;
+  cross -= (lx * wy - ly * wx) / total;
   if (dot == 0.0 && cross == 0.0) {
     return std::nullopt;
   }
-  const double heading_rad = std::atan2(cross, dot);
-  const Point2 t = mean_W - Pose2{0.0, 0.0, heading_rad} * mean_L;
-  return Pose2{t.x(), t.y(), heading_rad};
+  return RigidMotion::from_direction(first_L + Point2(lx, ly) / total, first_W + Point2(wx, wy) / total, dot,
+                                     cross);
 }
 
 }  // namespace
 
 std::optional<Pose2> fit_pose(std::span<const Match> matches, std::span<const Point2> scan_L,
                               std::span<const Point2> map_W) noexcept {
-  return fit_weighted(matches, scan_L, map_W, [](const Match&) { return 1.0; });
+  const auto fitted = fit_weighted(matches, scan_L, map_W, [](const Point2&, const Point2&) { return 1.0; });
+  return fitted ? std::optional(fitted->pose()) : std::nullopt;
 }
 
 Pose2 fit_pose_robust(const Pose2& start, std::span<const Match> matches, std::span<const Point2> scan_L,
                       std::span<const Point2> map_W, double scale_m) noexcept {
   constexpr int kRounds = 5;
-  Pose2 pose = start;
+  RigidMotion move(start);
   for (int round = 0; round < kRounds; ++round) {
-    const RigidMotion move(pose);
-    const auto fitted = fit_weighted(matches, scan_L, map_W, [&](const Match& m) {
-      const double r = (move(scan_L[m.scan]) - map_W[m.map]).squaredNorm() / (scale_m * scale_m);
+    const auto fitted = fit_weighted(matches, scan_L, map_W, [&](const Point2& p, const Point2& q) {
+      const Point2 seen = move(p);
+      const double dx = seen.x() - q.x();
+      const double dy = seen.y() - q.y();
+      const double r = (dx * dx + dy * dy) / (scale_m * scale_m);
       return 1.0 / ((1.0 + r) * (1.0 + r));
     });
     if (!fitted) {
-      return pose;
+      break;
     }
-    pose = *fitted;
+    move = *fitted;
   }
-  return pose;
+  return move.pose();
 }
 
 Eigen::Matrix3d pose_covariance(const Pose2& pose_W, std::span<const Match> matches,

@@ -410,7 +410,7 @@ class Cli(unittest.TestCase):
         code, output, errors = run("locate", "--map", m, "--scans", s, "--out", self.folder / "poses.csv", "--search",
                                    "paper", "--set", "realtime.slam_deadline_s=0.01")
         self.assertEqual(code, OK, errors)
-        self.assertIn("cut        1 searches by the deadline", output)
+        self.assertIn("cut        1 searches before their end", output)
 
     # --- what would do harm ---------------------------------------------------------------------------------------
 

@@ -93,7 +93,10 @@ void print_summary(const std::vector<Query>& queries, std::size_t map_landmarks,
               map_landmarks, queries.size(), by_status[2], by_status[1], by_status[0]);
   std::printf("time       median %.3f ms, 99 %% %.3f ms, worst %.3f ms\n", at(0.5), at(0.99), at(1.0));
   if (cut > 0) {
-    std::printf("cut        %zu searches by the deadline (realtime.slam_deadline_s; --no-deadline)\n", cut);
+    std::printf(
+        "cut        %zu searches before their end (realtime.slam_deadline_s, --no-deadline; "
+        "association.effort_max)\n",
+        cut);
   }
   std::fputs(left_out.text().c_str(), stdout);
 }
