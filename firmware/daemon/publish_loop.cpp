@@ -254,6 +254,9 @@ void PublishLoop::log_changes(hal::Stamp now) {
   }
   log_problem("LCM", lcm_ ? lcm_sink_.problem() : std::string_view(), lcm_problem_);
   log_problem("NMEA", nmea_.problem(), nmea_problem_);
+  if (const std::string refusals = tcp_ ? tcp_->take_refusals(now) : ""; !refusals.empty()) {
+    inlets_.log.warning(refusals);
+  }
 }
 
 /// A problem of an output when it comes, when it changes and when it goes.

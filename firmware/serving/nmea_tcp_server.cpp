@@ -76,6 +76,7 @@ constexpr std::array<std::string_view, kNmeaTcpEvents> kNames = {"nmea_tcp_opene
                                                                  "nmea_tcp_bytes_ignored"};
 
 constexpr int kAcceptsMax = 32;  // a step ends although clients come without pause
+constexpr hal::Stamp kRefusalsPeriod = std::chrono::minutes(1);
 
 }  // namespace
 
@@ -341,6 +342,7 @@ void NmeaTcpServer::take_in(int fd) noexcept {
   if (place == nullptr) {
     ::close(fd);
     counters_.count(NmeaTcpEvent::Refused);
+    ++refused_;
     return;
   }
   if (place->is_open()) {
@@ -408,6 +410,17 @@ std::size_t NmeaTcpServer::poll_on(std::span<pollfd> into) const noexcept {
     add(client.poll_on());
   }
   return count;
+}
+
+std::string NmeaTcpServer::take_refusals(hal::Stamp now) {
+  if (refused_ == 0 || now < refusals_due_) {
+    return {};
+  }
+  refusals_due_ = now + kRefusalsPeriod;
+  const std::uint64_t refused = std::exchange(refused_, 0);
+  return "NMEA over TCP: " + std::to_string(refused) + (refused == 1 ? " client was" : " clients were") +
+         " refused, " + std::to_string(clients()) + " of at most " + std::to_string(clients_.size()) +
+         " are connected; end one of them, or connect gpsd, which serves any number of programs";
 }
 
 std::size_t NmeaTcpServer::clients() const noexcept {

@@ -188,6 +188,10 @@ class NmeaTcpServer final : public EpochSink {
   [[nodiscard]] std::string_view problem() const noexcept override { return listener_.problem(); }
   [[nodiscard]] std::span<const hal::Counter> counters() const noexcept override { return counters_.all(); }
 
+  /// A line for the log when clients were refused since the last line, at most one a minute; empty when there
+  /// is nothing to say. Allocates.
+  [[nodiscard]] std::string take_refusals(hal::Stamp now);
+
   [[nodiscard]] std::size_t clients() const noexcept;
   /// The port that is listened on, 0 while none is.
   [[nodiscard]] std::uint16_t port() const noexcept { return listener_.port(); }
@@ -204,6 +208,8 @@ class NmeaTcpServer final : public EpochSink {
   std::vector<TcpClient> clients_;
   hal::Stamp now_{};
   hal::EventCounters<NmeaTcpEvent, kNmeaTcpEvents> counters_;
+  std::uint64_t refused_ = 0;  ///< clients that no line tells of yet
+  hal::Stamp refusals_due_{};
 };
 
 }  // namespace slamsensor::firmware

@@ -15,7 +15,7 @@ import time
 import unittest
 
 import nmea
-from sensor import HERE, Sensor, wait_for
+from sensor import HERE, Sensor, free_port, wait_for
 
 PROGRAMS = sys.argv[1:3]
 SKIPPED = 77
@@ -80,9 +80,7 @@ class Blocked(unittest.TestCase):
         text = (HERE / "park.toml").read_text().replace("../../config", str((HERE / "../../config").resolve()))
         scenario.write_text(text + f'\n[[fault]]\ndevice = "ptu"\nkind = "blocked"\nat_s = {BLOCKED_AT_S}\n'
                                    f'duration_s = {BLOCKED_FOR_S}\n')
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
+        self.port = free_port()
         self.sensor = Sensor(PROGRAMS, scenario, {"nmea.tcp": "true", "nmea.tcp_port": self.port, "lcm.enabled": "true",
                                                   "lcm.url": f"udpm://{GROUP}:{PORT}?ttl=0"})
         self.addCleanup(self.sensor.close)

@@ -13,7 +13,7 @@ import tempfile
 import unittest
 
 import nmea
-from sensor import HERE, STOP_MAX_S, Sensor, wait_for
+from sensor import HERE, STOP_MAX_S, Sensor, free_port, wait_for
 
 PROGRAMS = sys.argv[1:3]
 # Succeeds where neither memory can be locked nor a priority taken.
@@ -77,9 +77,7 @@ class Degraded(unittest.TestCase):
     # Devices.
 
     def test_without_devices_it_waits_and_its_outputs_live(self):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
+        port = free_port()
         self.sensor.start({"nmea.tcp": "true", "nmea.tcp_port": port})
         status = self.sensor.wait_status(lambda s: s["devices"]["pan_tilt"]["problem"], "a problem")
         self.assertEqual(status["state"], "starting")
@@ -232,6 +230,23 @@ class Degraded(unittest.TestCase):
         reader = wait_for(connected, "the port to be opened")
         self.addCleanup(reader.close)
         self.assertEqual(reader.of_kind("RMC")[2], "V")
+        self.ends()
+
+    def test_a_client_beyond_the_limit_is_told_in_the_log(self):
+        port = free_port()
+        self.sensor.start({"nmea.tcp": "true", "nmea.tcp_port": port})
+        self.sensor.ask("version")
+        for _ in range(8):
+            reader = wait_for(lambda: nmea.Reader.tcp(port), "a client to be taken in")
+            self.addCleanup(reader.close)
+            self.assertEqual(reader.of_kind("RMC")[2], "V")
+        told = "clients? (was|were) refused, 8 of at most 8 are connected; end one of them, or connect gpsd"
+        for _ in range(3):
+            late = nmea.Reader.tcp(port)
+            self.addCleanup(late.close)
+            wait_for(lambda: re.search(told, self.sensor.log()), "the refusal to be told")
+        self.assertEqual(len(re.findall(told, self.sensor.log())), 1, self.sensor.log())
+        self.assertNotIn("NMEA output goes on", self.sensor.log())
         self.ends()
 
     # The map at start.

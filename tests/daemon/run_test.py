@@ -4,23 +4,16 @@ run_test.py SLAMSENSOR SLAMSENSORD"""
 import os
 import pathlib
 import pty
-import socket
 import sys
 import time
 import tty
 import unittest
 
 import nmea
-from sensor import STOP_MAX_S, Control, Refused, Sensor, error_of, wait_for
+from sensor import STOP_MAX_S, Control, Refused, Sensor, error_of, free_port, wait_for
 
 PROGRAMS = sys.argv[1:3]
 DATUM = {"datum.latitude_deg": 48.0, "datum.longitude_deg": 11.0, "datum.height_m": 500.0, "datum.bearing_deg": 90.0}
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 class Running(unittest.TestCase):

@@ -31,6 +31,13 @@ def wait_for(condition, what, patience_s=PATIENCE_S):
         time.sleep(PACE_S)
 
 
+def free_port():
+    """A TCP port of this machine that nobody has."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
 def stands_of(scenario):
     with open(scenario, "rb") as file:
         return [(stand["x_m"], stand["y_m"], math.radians(stand.get("heading_deg", 0.0)))

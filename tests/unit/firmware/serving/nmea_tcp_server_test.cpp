@@ -82,6 +82,32 @@ TEST_F(NmeaTcp, ClientsBeyondTheMostAreClosedAndCounted) {
   EXPECT_EQ(readers[2]->read(), kEpoch);
 }
 
+TEST_F(NmeaTcp, RefusedClientsMakeALineAtOnceAndThenOneAMinute) {
+  std::vector<std::unique_ptr<TcpReader>> readers;
+  const auto connect = [&](std::uint64_t refused) {
+    readers.push_back(std::make_unique<TcpReader>(server_->port()));
+    for (int i = 0; i < 2000 && counter("nmea_tcp_clients_refused") < refused; ++i) {
+      ::poll(nullptr, 0, 1);
+      step(0ms);
+    }
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    connect(0);
+    await_clients(i + 1);
+  }
+  EXPECT_EQ(server_->take_refusals(now_), "");
+  connect(1);
+  EXPECT_EQ(server_->take_refusals(now_),
+            "NMEA over TCP: 1 client was refused, 3 of at most 3 are connected; end one of them, or connect "
+            "gpsd, which serves any number of programs");
+  EXPECT_EQ(server_->problem(), "");
+  connect(2);
+  connect(3);
+  EXPECT_EQ(server_->take_refusals(now_ + 1min - 1ns), "");
+  EXPECT_TRUE(server_->take_refusals(now_ + 1min).starts_with("NMEA over TCP: 2 clients were refused, "));
+  EXPECT_EQ(server_->take_refusals(now_ + 1h), "");
+}
+
 TEST_F(NmeaTcp, AClientThatLeavesMakesRoom) {
   auto one = std::make_unique<TcpReader>(server_->port());
   await_clients(1);
