@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <initializer_list>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <sys/stat.h>
@@ -160,6 +161,52 @@ void check_scan(Rules& rules) {
                     std::to_string(kScanlinesMax) + ", with");
   rules.require(scan.calibration_lines % 2 == 0, {"scan.calibration_lines"},
                 "is odd, but each line needs one swept the other way");
+}
+
+/// A number that the settings alone say, and the key that says it.
+struct Told {
+  std::string_view key;
+  double value;
+
+  friend bool operator<(const Told& a, const Told& b) { return a.value < b.value; }
+};
+
+/// The rate of readings, Hz; none for a rangefinder whose product has rates of its own.
+std::optional<Told> told_rate(const HeadConfig& head) {
+  switch (head.rangefinder) {
+    case RangefinderKind::BenewakeSerial:
+    case RangefinderKind::BenewakeCan:
+      return Told{"benewake.rate_hz", head.benewake_serial.device.rate_hz};
+    case RangefinderKind::PointLaser:
+      return Told{"point_laser.rate_hz", head.point_laser.rate_hz};
+    case RangefinderKind::Lwnx:
+      break;
+  }
+  return std::nullopt;
+}
+
+/// The readings of the sweep that is asked for; what the devices report is plan_scan's affair.
+void check_readings_per_line(Rules& rules) {
+  const HeadConfig& head = rules.config().head;
+  const ScanConfig& scan = rules.config().scan_head.scan;
+  const std::optional<Told> rate = told_rate(head);
+  if (!rate) {
+    return;
+  }
+  Told from{"scan.pan_min_deg", scan.pan_min_rad};
+  Told to{"scan.pan_max_deg", scan.pan_max_rad};
+  Told speed{"scan.pan_speed_deg_s", scan.pan_speed_radps};
+  if (head.pan_tilt == PanTiltKind::Canopen) {
+    from = std::max(from, {"canopen_pan.min_deg", head.canopen.pan.min_rad});
+    to = std::min(to, {"canopen_pan.max_deg", head.canopen.pan.max_rad});
+    speed = std::min(speed, {"canopen_pan.speed_max_deg_s", head.canopen.pan.speed_max_radps});
+  }
+  const double sweep_s = (to.value - from.value) / speed.value;
+  const double readings = std::ceil(rate->value * (sweep_s + scan.late_data_s));
+  rules.require(readings <= scan.readings_per_line_max,
+                {"scan.readings_per_line_max", rate->key, from.key, to.key, speed.key, "scan.late_data_s"},
+                "is too small: set at least " + std::to_string(static_cast<long long>(readings)) +
+                    " for the readings of one sweep with");
 }
 
 void check_pan_tilt(Rules& rules) {
@@ -329,6 +376,7 @@ void check_head(Rules& rules) {
   check_rangefinder(rules);
   check_can_ids(rules);
   check_scan(rules);
+  check_readings_per_line(rules);
   check_drivers(rules);
   check_inclination(rules);
 }

@@ -104,6 +104,16 @@ TEST(LoadConfig, ADeviceUnderTwoNamesIsOne) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(LoadConfig, RoomForAScanlineIsRefusedOnlyWhereTheSettingsSayTheNeed) {
+  const std::string scan = "[scan]\nreadings_per_line_max = 1000\n";
+  const std::string laser = "rangefinder = \"point_laser\"\n[point_laser]\nrate_hz = 1000\n";
+  const std::string narrow = "[canopen_pan]\nmin_deg = -20\nmax_deg = 20\n";
+  EXPECT_TRUE(load_config_text(scan + "[head]\nrangefinder = \"lwnx\"\n", "f.toml"));
+  EXPECT_FALSE(load_config_text(scan + "[head]\n" + laser, "f.toml"));
+  EXPECT_FALSE(load_config_text(scan + narrow + "[head]\n" + laser, "f.toml"));
+  EXPECT_TRUE(load_config_text(scan + narrow + "[head]\npan_tilt = \"canopen\"\n" + laser, "f.toml"));
+}
+
 TEST(LoadConfig, DatumIsWholeOrAbsent) {
   const auto loaded = load_config_text(
       "[datum]\nlatitude_deg = 47.5\nlongitude_deg = -8\nheight_m = 412.35\nbearing_deg = 12.5\n", "f.toml");
