@@ -210,6 +210,8 @@ tl::expected<void, hal::InitError> clear_path(const std::string& path, const Uni
 }
 
 constexpr hal::Stamp kAcceptPause = std::chrono::seconds(1);
+constexpr hal::Stamp kPlacePeriod = std::chrono::seconds(1);  // of looks at the path
+constexpr hal::Stamp kPlaceRetry = std::chrono::seconds(10);  // whoever is there meets a probe in each
 constexpr int kRequestsPerStep = 16;  // of one client: the others, and the watchdog, have their turn
 
 bool is_not_now(int error) noexcept {
@@ -239,11 +241,14 @@ ControlListener::ControlListener(FileDescriptor socket, std::string path)
 }
 
 ControlListener::~ControlListener() {
-  struct stat status {};
-  if (socket_ && ::lstat(path_.c_str(), &status) == 0 && status.st_dev == device_ &&
-      status.st_ino == inode_) {
+  if (socket_ && is_in_place()) {
     ::unlink(path_.c_str());
   }
+}
+
+bool ControlListener::is_in_place() const noexcept {
+  struct stat status {};
+  return ::lstat(path_.c_str(), &status) == 0 && status.st_dev == device_ && status.st_ino == inode_;
 }
 
 tl::expected<ControlListener, hal::InitError> ControlListener::create(const std::string& path) {
@@ -276,12 +281,13 @@ FileDescriptor ControlListener::accept() noexcept {
 }
 
 tl::expected<std::unique_ptr<ControlServer>, hal::InitError> ControlServer::create(
-    const ControlServerConfig& config, ControlHandler handler) {
+    const ControlServerConfig& config, ControlHandler handler, Log& log) {
   auto listener = ControlListener::create(config.socket);
   if (!listener) {
     return tl::unexpected(listener.error());
   }
-  return std::unique_ptr<ControlServer>(new ControlServer(config, std::move(*listener), std::move(handler)));
+  return std::unique_ptr<ControlServer>(
+      new ControlServer(config, std::move(*listener), std::move(handler), log));
 }
 
 void ControlServer::append_interest(std::vector<pollfd>& interest) const {
@@ -304,6 +310,29 @@ void ControlServer::step(hal::Stamp now) {
     serve(*client, now);
   }
   std::erase_if(clients_, [](const auto& client) { return client->is_gone; });
+  keep_in_place(now);
+}
+
+void ControlServer::keep_in_place(hal::Stamp now) {
+  if (now < place_due_) {
+    return;
+  }
+  place_due_ = now + kPlacePeriod;
+  if (listener_.is_in_place()) {
+    return;
+  }
+  auto again = ControlListener::create(config_.socket);
+  if (again) {
+    listener_ = std::move(*again);
+    place_problem_.clear();
+    log_.notice("control socket " + config_.socket + ": its file was gone and is made again");
+    return;
+  }
+  place_due_ = now + kPlaceRetry;
+  if (again.error().message != place_problem_) {
+    place_problem_ = again.error().message;
+    log_.error(place_problem_ + "; until then this daemon cannot be reached");
+  }
 }
 
 void ControlServer::accept_clients(hal::Stamp now) {

@@ -2,6 +2,7 @@
 
 #include "firmware/control/control_request.hpp"
 #include "firmware/supervision/file_descriptor.hpp"
+#include "firmware/supervision/log.hpp"
 #include "hal/counters.hpp"
 #include "hal/init_error.hpp"
 #include "hal/stamp.hpp"
@@ -90,10 +91,13 @@ class ControlListener {
   [[nodiscard]] static tl::expected<ControlListener, hal::InitError> create(const std::string& path);
 
   ControlListener(ControlListener&& other) noexcept = default;
-  ControlListener& operator=(ControlListener&& other) = delete;
+  ControlListener& operator=(ControlListener&& other) noexcept = default;
   ~ControlListener();
 
   [[nodiscard]] int fd() const noexcept { return socket_.get(); }
+
+  /// Whether the path still leads to this socket: nobody has removed or replaced its file.
+  [[nodiscard]] bool is_in_place() const noexcept;
 
   /// The next client, its socket non-blocking; none when there is none (errno says whether it went wrong).
   [[nodiscard]] FileDescriptor accept() noexcept;
@@ -119,15 +123,16 @@ struct ControlServerConfig {
 /// Serves the control protocol (control_request.hpp). One thread; never waits.
 class ControlServer {
  public:
-  /// Listens.
+  /// Listens. `log` outlives the server.
   [[nodiscard]] static tl::expected<std::unique_ptr<ControlServer>, hal::InitError> create(
-      const ControlServerConfig& config, ControlHandler handler);
+      const ControlServerConfig& config, ControlHandler handler, Log& log);
 
   /// Appends what poll() is to wait for. Beside that, step() is due once a second.
   void append_interest(std::vector<pollfd>& interest) const;
 
-  /// Takes new clients, answers what has come, sends what can be sent, lets go who is gone. `now` never
-  /// decreases.
+  /// Takes new clients, answers what has come, sends what can be sent, lets go who is gone. Makes the socket
+  /// again within a second when its file was removed; while something else is there, looks every 10 s
+  /// whether the path is free. Clients stay connected through all of that. `now` never decreases.
   void step(hal::Stamp now);
 
   /// Answers a request that was to be answered later; nothing but a count comes of it when nobody waits for
@@ -149,9 +154,10 @@ class ControlServer {
     bool is_gone = false;
   };
 
-  ControlServer(const ControlServerConfig& config, ControlListener listener, ControlHandler handler)
-      : config_(config), listener_(std::move(listener)), handler_(std::move(handler)) {}
+  ControlServer(const ControlServerConfig& config, ControlListener listener, ControlHandler handler, Log& log)
+      : config_(config), listener_(std::move(listener)), handler_(std::move(handler)), log_(log) {}
 
+  void keep_in_place(hal::Stamp now);
   void accept_clients(hal::Stamp now);
   void admit(FileDescriptor socket, hal::Stamp now);
   [[nodiscard]] bool make_room(hal::Stamp now);
@@ -163,10 +169,13 @@ class ControlServer {
   ControlServerConfig config_;
   ControlListener listener_;
   ControlHandler handler_;
+  Log& log_;
   std::vector<std::unique_ptr<Client>> clients_;
   ControlToken last_token_ = 0;
   hal::Stamp accept_after_{};  // the system had no room for a client before
   bool accepting_ = true;
+  hal::Stamp place_due_{};     // when the place of the socket is looked at
+  std::string place_problem_;  // why the socket could not be made again, as the log has it
 
   SessionCounts counts_;
   std::uint64_t accepted_ = 0;

@@ -296,10 +296,12 @@ tl::expected<std::unique_ptr<Daemon>, StartFailure> Daemon::create(LayeredConfig
   }
   std::unique_ptr<Daemon> daemon(
       new Daemon(std::move(config), std::move(*signals), std::move(*threads), log, now));
-  auto server = ControlServer::create({.socket = daemon->config_->current().config.daemon.control.socket},
-                                      [&control = daemon->control_](const ControlRequest& request) {
-                                        return request.verb->run(request, control);
-                                      });
+  auto server = ControlServer::create(
+      {.socket = daemon->config_->current().config.daemon.control.socket},
+      [&control = daemon->control_](const ControlRequest& request) {
+        return request.verb->run(request, control);
+      },
+      log);
   if (!server) {
     return failure(ExitReason::Unavailable, server.error().message);
   }

@@ -13,7 +13,7 @@ import tempfile
 import unittest
 
 import nmea
-from sensor import HERE, STOP_MAX_S, Sensor, free_port, wait_for
+from sensor import HERE, STOP_MAX_S, Control, Sensor, free_port, wait_for
 
 PROGRAMS = sys.argv[1:3]
 # Succeeds where neither memory can be locked nor a priority taken.
@@ -247,6 +247,18 @@ class Degraded(unittest.TestCase):
             wait_for(lambda: re.search(told, self.sensor.log()), "the refusal to be told")
         self.assertEqual(len(re.findall(told, self.sensor.log())), 1, self.sensor.log())
         self.assertNotIn("NMEA output goes on", self.sensor.log())
+        self.ends()
+
+    def test_a_control_socket_that_is_removed_is_made_again(self):
+        self.sensor.start()
+        self.sensor.ask("version")
+        (self.sensor.folder / "control").unlink()
+        wait_for((self.sensor.folder / "control").exists, "the socket")
+        self.sensor.ask("version")  # the connection from before
+        other = Control(self.sensor.folder / "control")
+        self.addCleanup(other.close)
+        other.ask("version")
+        self.assertIn("its file was gone and is made again", self.sensor.log())
         self.ends()
 
     # The map at start.

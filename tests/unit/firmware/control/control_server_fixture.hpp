@@ -6,7 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <poll.h>
@@ -26,11 +28,12 @@ struct ControlServerTest : testing::Test {
   }
   ~ControlServerTest() override {
     server.reset();
+    std::fclose(log_file);
     std::filesystem::remove_all(folder);
   }
 
   void start() {
-    auto made = ControlServer::create(config, target.handler());
+    auto made = ControlServer::create(config, target.handler(), log);
     ASSERT_TRUE(made) << made.error().message;
     server = std::move(*made);
   }
@@ -74,6 +77,13 @@ struct ControlServerTest : testing::Test {
     }
   }
 
+  /// What has been logged, all lines.
+  std::string logged() const {
+    std::string text(4096, '\0');
+    const ssize_t size = ::pread(::fileno(log_file), text.data(), text.size(), 0);
+    return text.substr(0, static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+  }
+
   std::uint64_t counter(std::string_view name) const {
     for (const hal::Counter& counter : server->counters()) {
       if (counter.name == name) {
@@ -87,6 +97,8 @@ struct ControlServerTest : testing::Test {
   std::filesystem::path folder;
   ControlServerConfig config;
   FakeControlTarget target;
+  std::FILE* log_file = std::tmpfile();
+  Log log{{.fd = ::fileno(log_file)}};
   std::unique_ptr<ControlServer> server;
   hal::Stamp now = std::chrono::seconds(1000);
 };

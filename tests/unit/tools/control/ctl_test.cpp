@@ -28,7 +28,7 @@ class Daemon {
   explicit Daemon(const std::string& socket) {
     firmware::ControlServerConfig config;
     config.socket = socket;
-    server_ = firmware::ControlServer::create(config, target.handler()).value();
+    server_ = firmware::ControlServer::create(config, target.handler(), log_).value();
     thread_ = std::thread([this] { run(); });
   }
   ~Daemon() {
@@ -48,6 +48,7 @@ class Daemon {
     }
   }
 
+  firmware::Log log_;
   std::unique_ptr<firmware::ControlServer> server_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
