@@ -113,34 +113,6 @@ std::vector<ConfigError> apply_file(LoadedConfig& onto, const std::filesystem::p
   return apply_layer(onto, *text, path.string());
 }
 
-/// The files *.toml of `folder` in the order of their names; none when there is no such folder.
-tl::expected<std::vector<std::filesystem::path>, ConfigError> drop_in_files(
-    const std::filesystem::path& folder) {
-  constexpr std::size_t kFilesMax = 100;
-  std::vector<std::filesystem::path> files;
-  std::error_code code;
-  if (!std::filesystem::exists(std::filesystem::symlink_status(folder, code))) {
-    return files;
-  }
-  std::filesystem::directory_iterator entry(folder, code);
-  for (; !code && entry != std::filesystem::directory_iterator(); entry.increment(code)) {
-    if (entry->path().extension() == ".toml") {
-      files.push_back(entry->path());
-    }
-  }
-  if (code) {
-    return tl::unexpected(file_error(
-        folder, "the drop-in folder cannot be read: " + code.message() + "; check its permissions"));
-  }
-  if (files.size() > kFilesMax) {
-    return tl::unexpected(file_error(folder, "has " + std::to_string(files.size()) +
-                                                 " files *.toml; at most " + std::to_string(kFilesMax) +
-                                                 " are read; join some"));
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 /// `loaded` when neither its layers nor the rules between keys had a mistake.
 tl::expected<LoadedConfig, std::vector<ConfigError>> checked(const LoadedConfig& loaded,
                                                              std::vector<ConfigError> errors) {
@@ -250,9 +222,37 @@ tl::expected<LoadedConfig, std::vector<ConfigError>> load_config_text(std::strin
   return checked(loaded, apply_layer(loaded, text, name));
 }
 
+tl::expected<std::vector<std::filesystem::path>, ConfigError> drop_in_files(
+    const std::filesystem::path& path) {
+  const std::filesystem::path folder = path.string() + ".d";
+  constexpr std::size_t kFilesMax = 100;
+  std::vector<std::filesystem::path> files;
+  std::error_code code;
+  if (!std::filesystem::exists(std::filesystem::symlink_status(folder, code))) {
+    return files;
+  }
+  std::filesystem::directory_iterator entry(folder, code);
+  for (; !code && entry != std::filesystem::directory_iterator(); entry.increment(code)) {
+    if (entry->path().extension() == ".toml") {
+      files.push_back(entry->path());
+    }
+  }
+  if (code) {
+    return tl::unexpected(file_error(
+        folder, "the drop-in folder cannot be read: " + code.message() + "; check its permissions"));
+  }
+  if (files.size() > kFilesMax) {
+    return tl::unexpected(file_error(folder, "has " + std::to_string(files.size()) +
+                                                 " files *.toml; at most " + std::to_string(kFilesMax) +
+                                                 " are read; join some"));
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
 std::vector<ConfigError> apply_files(LoadedConfig& onto, const std::filesystem::path& path) {
   std::vector<ConfigError> errors = apply_file(onto, path);
-  const auto drop_ins = drop_in_files(path.string() + ".d");
+  const auto drop_ins = drop_in_files(path);
   if (!drop_ins) {
     errors.push_back(drop_ins.error());
     return errors;

@@ -88,10 +88,14 @@ inline constexpr std::size_t kConfigErrorsMax = 100;
 [[nodiscard]] tl::expected<LoadedConfig, std::vector<ConfigError>> load_config_text(std::string_view text,
                                                                                     std::string_view name);
 
-/// Lays the file `path` over `onto`, and over that, in the order of their names, the files *.toml of the
-/// folder that is called as the file with ".d" behind it, if there is one. Each has at most 1 MiB. Returns
-/// every mistake of all of them, as apply_layer does; a file with a mistake does not keep the others from
-/// being read.
+/// The drop-ins of the file `path`: the files *.toml of the folder that is called as the file with ".d"
+/// behind it, in the order of their names; none when there is no such folder.
+[[nodiscard]] tl::expected<std::vector<std::filesystem::path>, ConfigError> drop_in_files(
+    const std::filesystem::path& path);
+
+/// Lays the file `path` over `onto`, and over that its drop-ins. Each has at most 1 MiB. Returns every
+/// mistake of all of them, as apply_layer does; a file with a mistake does not keep the others from being
+/// read.
 [[nodiscard]] std::vector<ConfigError> apply_files(LoadedConfig& onto, const std::filesystem::path& path);
 
 /// The defaults with a file and its drop-in folder laid over them, if there is no mistake in any; else all

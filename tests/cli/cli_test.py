@@ -431,6 +431,8 @@ class Cli(unittest.TestCase):
         link = self.folder / "link.csv"
         link.symlink_to(s)
         config = self.write("c.toml", "")
+        (self.folder / "c.toml.d").mkdir()
+        drop_in = self.write("c.toml.d/10.toml", "")
         world = CONFIG / "worlds" / "bush.toml"
         own_world = self.out / "stems.csv"
         own_world.write_bytes(world.read_bytes())
@@ -465,6 +467,11 @@ class Cli(unittest.TestCase):
             ([s], ["locate", "--map", m, "--scans", link, "--out", s]),
             ([m], ["locate", "--map", m, "--scans", s, "--out", m]),
             ([config], ["locate", "--config", config, "--map", m, "--scans", s, "--out", config]),
+            ([drop_in], ["locate", "--config", config, "--map", m, "--scans", s, "--out", drop_in]),
+            ([drop_in], ["replay", "--config", config, "--out", self.folder / "r", "--landmarks", drop_in, s]),
+            ([drop_in, own_world], ["record", own_world, "--config", config, "--out", drop_in]),
+            ([plot], ["replay", "--out", run_of_s, "--landmarks", plot, s]),
+            ([], ["replay", "--out", self.folder / "r", "--landmarks", self.folder / "." / "r" / "map.csv", s]),
             ([slammap], ["locate", "--map", m, "--scans", s, "--out", slammap]),
             ([slammap], ["map", "export", slammap, "--format", "csv", "--out", slammap]),
             ([slammap], ["map", slammap, "--csv", slammap]),

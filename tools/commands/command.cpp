@@ -39,6 +39,18 @@ firmware::ConfigSources ConfigOptions::sources() const {
   return sources;
 }
 
+std::vector<std::filesystem::path> ConfigOptions::files() const {
+  std::vector<std::filesystem::path> files;
+  if (file.empty()) {
+    return files;
+  }
+  if (auto drop_ins = firmware::drop_in_files(file)) {
+    files = std::move(*drop_ins);
+  }
+  files.emplace_back(file);
+  return files;
+}
+
 tl::expected<void, CommandError> refuse_own_inputs(std::span<const std::filesystem::path> outputs,
                                                    std::span<const std::filesystem::path> inputs) {
   return check_outputs(outputs, inputs).map_error([](const OutputError& error) {
@@ -48,8 +60,8 @@ tl::expected<void, CommandError> refuse_own_inputs(std::span<const std::filesyst
 
 std::vector<std::filesystem::path> files_read(std::span<const std::filesystem::path> inputs,
                                               const ConfigOptions& options) {
-  std::vector<std::filesystem::path> files(inputs.begin(), inputs.end());
-  files.emplace_back(options.file);
+  std::vector<std::filesystem::path> files = options.files();
+  files.insert(files.end(), inputs.begin(), inputs.end());
   if (const auto found = find_scan_files(inputs)) {
     for (const ScanFile& file : found->scans) {
       files.push_back(file.path);

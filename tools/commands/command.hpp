@@ -58,6 +58,9 @@ struct ConfigOptions {
 
   /// The same for a configuration that is loaded again and again.
   [[nodiscard]] firmware::ConfigSources sources() const;
+
+  /// The files that are read for it: that of --config and its drop-ins.
+  [[nodiscard]] std::vector<std::filesystem::path> files() const;
 };
 
 /// check_outputs for a verb, before it begins (EX_CANTCREAT).

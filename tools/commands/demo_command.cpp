@@ -8,9 +8,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include <array>
 #include <cstdio>
 #include <memory>
+#include <vector>
 
 namespace slamsensor::tools {
 namespace {
@@ -57,7 +57,8 @@ CommandResult run(Options& options) {
   if (!loaded) {
     return tl::unexpected(loaded.error());
   }
-  const std::array<std::filesystem::path, 2> inputs{options.drive.simulate.world, options.config.file};
+  std::vector<std::filesystem::path> inputs = options.config.files();
+  inputs.emplace_back(options.drive.simulate.world);
   if (auto checked = refuse_own_inputs(replay_files(options.out), inputs); !checked) {
     return tl::unexpected(std::move(checked.error()));
   }

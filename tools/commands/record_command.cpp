@@ -78,8 +78,8 @@ CommandResult run(const Options& options) {
   }
   const std::vector<std::filesystem::path> outputs{
       options.drive.out, options.truth, options.truth.empty() ? options.truth : events_path(options.truth)};
-  const std::vector<std::filesystem::path> own_inputs{options.input, drive.scenario.world_file,
-                                                      options.config.file};
+  std::vector<std::filesystem::path> own_inputs = options.config.files();
+  own_inputs.insert(own_inputs.end(), {options.input, drive.scenario.world_file});
   if (auto checked = refuse_own_inputs(outputs, own_inputs); !checked) {
     return tl::unexpected(std::move(checked.error()));
   }

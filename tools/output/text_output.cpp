@@ -171,9 +171,26 @@ tl::unexpected<OutputError> refuse_map(const Path& path) {
                                     "else may replace; name another output"});
 }
 
+/// Whether what is written to one replaces what was written to the other; a device takes both.
+bool is_one_file(const Path& a, const Path& b) {
+  std::error_code none;
+  return !a.empty() && !b.empty() && (!std::filesystem::exists(a, none) || is_regular_file(a, none)) &&
+         weakly_canonical(std::filesystem::absolute(a, none), none) ==
+             weakly_canonical(std::filesystem::absolute(b, none), none);
+}
+
 }  // namespace
 
 tl::expected<void, OutputError> check_outputs(std::span<const Path> outputs, std::span<const Path> inputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const auto others = outputs.first(i);
+    const auto same = std::find_if(others.begin(), others.end(),
+                                   [&](const Path& other) { return is_one_file(outputs[i], other); });
+    if (same != others.end()) {
+      return tl::unexpected(OutputError{outputs[i].string() + ": it is the output " + same->string() +
+                                        " too, which would be overwritten; name another output"});
+    }
+  }
   for (const Path& output : outputs) {
     for (const Path& input : inputs) {
       std::error_code none;  // what is not there is no input

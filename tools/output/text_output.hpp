@@ -37,8 +37,9 @@ struct OutputError {
   std::string message;
 };
 
-/// An error when one of `outputs` is one of `inputs`, by whatever name or link, or a map of the sensor, which
-/// neither a text nor a recording may replace. Empty paths stand for what was not asked for.
+/// An error when one of `outputs` is another of them or one of `inputs`, by whatever name or link, or a map
+/// of the sensor, which neither a text nor a recording may replace. Empty paths stand for what was not asked
+/// for.
 [[nodiscard]] tl::expected<void, OutputError> check_outputs(std::span<const std::filesystem::path> outputs,
                                                             std::span<const std::filesystem::path> inputs);
 

@@ -73,6 +73,20 @@ TEST_F(WriteFile, AnOutputIsNoneOfTheInputsByAnyName) {
   EXPECT_EQ(refusal({folder_ / "sub/map.csv", folder_ / "new.csv", ""}, {input, ""}), "");
 }
 
+// `replay --out DIR --landmarks DIR/map.csv` replaced the map that it had just written.
+TEST_F(WriteFile, AnOutputIsNoneOfTheOthersByAnyName) {
+  std::filesystem::create_directory(folder_ / "sub");
+  std::filesystem::create_directory_symlink(folder_, folder_ / "sub/up");
+  const auto map = folder_ / "new/map.csv";
+  for (const char* const name :
+       {"new/map.csv", "./new/map.csv", "sub/../new/map.csv", "sub/up/new/map.csv"}) {
+    EXPECT_THAT(refusal({map, folder_ / name}, {}),
+                testing::AllOf(HasSubstr("it is the output"), HasSubstr("name another output")))
+        << name;
+  }
+  EXPECT_EQ(refusal({map, folder_ / "map.csv", "", "", "/dev/null", "/dev/null"}, {}), "");
+}
+
 TEST_F(WriteFile, NothingButAMapReplacesAMap) {
   const std::string map("\x89SLM\r\n\x1A\nmore", 12);
   for (const char* const name : {"a.slammap", "map.csv"}) {
