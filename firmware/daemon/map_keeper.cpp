@@ -43,7 +43,7 @@ constexpr std::string_view kBeforeReset = "-before-reset";
 std::string line_of(const MapListing& map, std::string_view in_use) {
   std::string line = map.name + (map.name == in_use ? " (in use): " : ": ");
   if (map.good_generations == 0) {
-    line += "no good file";
+    line += map.is_too_large ? "too large for the configured capacities" : "no good file";
   } else {
     line += std::to_string(map.landmarks) + " landmarks, saved " + utc_text(map.saved_utc_s) + ", " +
             std::to_string(map.bytes) + " bytes, " + std::to_string(map.good_generations) + " generation" +

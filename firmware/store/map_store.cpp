@@ -115,6 +115,7 @@ MapStore::Inspection MapStore::inspect(const Path& path) const {
     if (map) {
       found.map = std::move(*map);
     } else {
+      found.is_too_large = map.error().problem == MapProblem::TooLarge;
       found.reason = path.string() + ": " + map.error().message;
     }
   } catch (const std::bad_alloc&) {
@@ -269,6 +270,7 @@ tl::expected<std::vector<MapListing>, StoreError> MapStore::list() const {
       const Inspection found = inspect(path);
       if (!found.map) {
         if (!found.is_missing) {
+          listing.is_too_large = listing.is_too_large || found.is_too_large;
           listing.problems.push_back(found.reason);
         }
         continue;

@@ -68,7 +68,8 @@ struct MapListing {
   std::uint64_t bytes = 0;             ///< of the newest good generation, as are the next two
   std::uint64_t landmarks = 0;
   std::int64_t saved_utc_s = 0;
-  std::vector<std::string> problems;  ///< why a generation is not good, a line each
+  bool is_too_large = false;          ///< a generation is good, but not within the capacities
+  std::vector<std::string> problems;  ///< why a generation cannot be loaded, a line each
 };
 
 /// Named maps in one folder, each a file and the generation before it. Whenever and however the process ends,
@@ -113,7 +114,8 @@ class MapStore {
     std::optional<MapFile> map;
     FileIdentity identity;
     bool is_missing = false;
-    std::string reason;  ///< why there is no map: path and what is wrong
+    bool is_too_large = false;  ///< good, but not within the capacities
+    std::string reason;         ///< why there is no map: path and what is wrong
   };
 
   [[nodiscard]] Inspection inspect(const Path& path) const;

@@ -263,6 +263,18 @@ class Degraded(unittest.TestCase):
 
     # The map at start.
 
+    def test_a_map_that_is_too_large_for_the_capacities_is_not_called_bad(self):
+        self.sensor.maps.mkdir()
+        trees = self.sensor.folder / "trees.csv"
+        trees.write_text("x_m,y_m\n" + "".join(f"{5 * (i % 10)},{7 * (i // 10)}\n" for i in range(80)))
+        subprocess.run([PROGRAMS[0], "map", "import", trees, "--out", "plot", "--store", self.sensor.maps],
+                       check=True, capture_output=True)
+        self.sensor.start({"capacities.map_landmarks": 50})
+        lines, _ = self.sensor.ask("map list")
+        self.assertIn("plot: too large for the configured capacities", lines)
+        self.assertIn("raise capacities.map_landmarks to 80", "\n".join(lines))
+        self.ends()
+
     def test_a_damaged_map_is_left_alone_until_a_save_sets_it_aside(self):
         self.sensor.maps.mkdir()
         damaged = b"\x89SLM\r\n\x1a\n" + bytes(100)

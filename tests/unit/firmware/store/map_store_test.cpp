@@ -230,6 +230,21 @@ TEST(MapStore, ListsItsMaps) {
   EXPECT_THAT((*list)[2].problems, ElementsAre(HasSubstr("the file is empty")));
 }
 
+TEST(MapStore, ListTellsAMapThatIsTooLargeFromABadOne) {
+  StoreBench bench;
+  ASSERT_TRUE(bench.save(1, "large"));
+  (void)bench.folder.write("bad.slammap", "notes");
+  core::Capacities small;
+  small.map_landmarks = 4;
+  const auto list = MapStore(bench.folder.path(), small).list();
+  ASSERT_TRUE(list);
+  ASSERT_EQ(list->size(), 2U);
+  EXPECT_FALSE((*list)[0].is_too_large);
+  EXPECT_TRUE((*list)[1].is_too_large);
+  EXPECT_EQ((*list)[1].good_generations, 0U);
+  EXPECT_THAT((*list)[1].problems, ElementsAre(HasSubstr("raise capacities.map_landmarks to 5")));
+}
+
 TEST(MapStore, ListOfNoFolderSaysWhatToDo) {
   const MapStore store("no-such-folder", core::Capacities{});
   EXPECT_EQ(store.list().error().message,
