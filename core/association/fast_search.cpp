@@ -35,10 +35,8 @@ constexpr float kPricePerRank = 0.5F;            // farther neighbours are less 
 constexpr double kWindowSigmas = 1.6;      // of a side: most of what is right at a third of the cost of all
 constexpr double kLooseGate = 1.4;         // in tolerances: a pose of three landmarks is not precise
 constexpr std::uint32_t kFailuresMax = 3;  // tries at one place that may fail before it is left alone
-constexpr std::uint32_t kRefinedMost = 2;  // first fits at one place that are followed to their end
 constexpr int kRounds = 4;                 // of matching and fitting
 constexpr std::uint32_t kMatchesMin = 4;   // three match by construction: only a fourth says anything
-constexpr double kRefinementGain = 10.0;   // nats that more rounds hardly ever bring
 constexpr double kRobustScale = 2.0;       // of the robust fit, in sigmas
 
 /// Pairs of neighbours, the nearest first: (0,1), (0,2), (1,2), (0,3), ...
@@ -410,7 +408,7 @@ void FastSearch::try_pose(const Wanted& wanted, const Turned& turned, std::uint3
     ++tried.failures;
     return;
   }
-  tried.failures = std::max(tried.failures, kFailuresMax);
+  tried.failures = kFailuresMax;
   refine(move.pose(), map, wanted, found);
 }
 
@@ -517,30 +515,16 @@ void FastSearch::refine(const Pose2& pose, MapSlot map, const Wanted& wanted, Ca
       break;
     }
     before = candidate.matches.size();
-    if (round > 0 && score(before, candidate.residual_m2) + kRefinementGain < worth_) {
-      return;
-    }
     candidate.pose_W = fit_pose_robust(candidate.pose_W, candidate.matches.span(), scan_, positions_,
                                        round == 0 ? gate_m : kRobustScale * model_.sigma_m);
-    if (round == 0 && is_refined_enough(candidate.pose_W, map)) {
-      return;
-    }
   }
   candidate.residual_m2 = match(candidate.pose_W, map, tight_m, candidate.matches);
   candidate.score = score(candidate.matches.size(), candidate.residual_m2);
   if (candidate.matches.size() >= kMatchesMin) {
-    Tried& tried = tried_at(RigidMotion(candidate.pose_W), map);
-    tried.failures = std::max(tried.failures, kFailuresMax);
+    tried_at(RigidMotion(candidate.pose_W), map).failures = kFailuresMax;
     candidate.name_triangle(wanted.scan);
     offer(candidate, found);
   }
-}
-
-/// Whether other triangles led to this place already; this one counts, too.
-bool FastSearch::is_refined_enough(const Pose2& pose, MapSlot map) noexcept {
-  Tried& tried = tried_at(RigidMotion(pose), map);
-  tried.failures = std::max(tried.failures, kFailuresMax) + 1;
-  return tried.failures > kFailuresMax + kRefinedMost;
 }
 
 FastSearch::Tried& FastSearch::tried_at(const RigidMotion& move, MapSlot map) noexcept {

@@ -111,7 +111,6 @@ class FastSearch {
   [[nodiscard]] bool is_confirmed(const RigidMotion& move, MapSlot map, const Wanted& wanted) noexcept;
   [[nodiscard]] std::uint32_t count(const RigidMotion& move, MapSlot map, std::uint32_t enough) noexcept;
   void refine(const Pose2& pose, MapSlot map, const Wanted& wanted, Candidates& found) noexcept;
-  [[nodiscard]] bool is_refined_enough(const Pose2& pose, MapSlot map) noexcept;
   [[nodiscard]] double match(const Pose2& pose, MapSlot map, double gate_m, MatchList& matches) noexcept;
   void offer(const Candidate& candidate, Candidates& found) noexcept;
   [[nodiscard]] Tried& tried_at(const RigidMotion& move, MapSlot map) noexcept;

@@ -176,6 +176,8 @@ class Atlas {
   void tie(MapSlot map, const Weighed& weighed) noexcept;
   [[nodiscard]] bool close_loop(MapSlot map) noexcept;
   [[nodiscard]] bool is_linking() const noexcept { return linking_scans_ > 0; }
+  [[nodiscard]] double log10_layers_by_chance(MapSlot map, const Pose2& pose_W, std::span<const Match> others,
+                                              double apart_m) const noexcept;
   [[nodiscard]] bool is_layer(const Weighed& answer, const Weighed& other) noexcept;
   void link_layers(const Candidate& answer, const Candidate& other) noexcept;
   void count_as_one(MapEntry& entry, std::uint32_t a, std::uint32_t b) const noexcept;

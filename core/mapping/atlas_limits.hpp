@@ -85,10 +85,12 @@ inline constexpr double kSurveySharpest = 0.5;  // of the usual spread: no surve
 inline constexpr double kSurveyedAbout_m = ExploredGround::kCell_m;
 inline constexpr std::uint32_t kLoopScans =
     20;  // a landmark unseen for so long closes a loop when it is seen again
-inline constexpr double kLayerDecades = 4.0;  // by which a scan is explained by each of two layers of a map
-inline constexpr std::size_t kLayerMatches = 4;  // landmarks that it shows in the second of them alone
+inline constexpr double kLayerDecades =
+    4.0;                                     // by which a scan is explained by one of two layers of a map ...
+inline constexpr double kNearDecades = 3.0;  // ... and places near it that show as much by chance are rarer
+inline constexpr std::uint32_t kLayerShared = 3;
 inline constexpr std::size_t kLayerScans =
-    5;  // no more than one in so many scans may have shown landmarks of both
+    5;  // no more than one in so many scans may have shown kLayerShared landmarks of both
 inline constexpr double kLayerApart_m = 10.0;  // farther apart, or than half the scan's reach, is no drift
 inline constexpr double kLayerTurn_rad = 10.0 * kDegree;
 inline constexpr std::uint32_t kTwinsInTurn =

@@ -1,4 +1,5 @@
 // Where a local map may lie, and how it becomes part of another map.
+#include "core/association/false_alarms.hpp"
 #include "core/association/rigid_fit.hpp"
 #include "core/graph/lattice.hpp"
 #include "core/mapping/atlas.hpp"
@@ -168,10 +169,11 @@ bool Atlas::tie_at(MapSlot map, const PlaceHypothesis& place) noexcept {
               graph_.index().nearest_within(place.target, p, kTieGateSigmas * sigma_m, d2);
           const bool is_taken = std::any_of(tied.candidate.matches.begin(), tied.candidate.matches.end(),
                                             [&](const Match& match) { return match.map == twin; });
+          const auto next = static_cast<std::uint32_t>(confirmed_.size());
           if (twin != LandmarkIndex::kNone && !is_taken &&
-              tied.candidate.matches.try_push_back({static_cast<std::uint32_t>(confirmed_.size()), twin}) &&
               confirmed_.try_push_back(graph_.positions()[slot])) {
             SLAMSENSOR_ASSERT(confirmed_slots_.try_push_back(slot));
+            SLAMSENSOR_ASSERT(tied.candidate.matches.try_push_back({next, twin}));
           }
         });
     if (tied.candidate.matches.size() < 3) {
@@ -268,27 +270,55 @@ void Atlas::tie(MapSlot map, const Weighed& w) noexcept {
   ++revision_;
 }
 
+/// Places within `apart_m` of the answer that are expected to match as well as `others` at `pose_W` do, by
+/// chance. A place is tried for each two pairs of landmarks, of the scan and of the map, that lie and turn
+/// so.
+double Atlas::log10_layers_by_chance(MapSlot map, const Pose2& pose_W, std::span<const Match> others,
+                                     double apart_m) const noexcept {
+  const double gate_m = kTieGateSigmas * rates_.sigma_m(scale_.start_sigma_m());
+  FixedVector<double, kScanLandmarksMax> shares;
+  const RigidMotion move(pose_W);
+  for (const Match& match : others) {
+    const double d2 = (move(points_B_[match.scan]) - graph_.positions()[match.map]).squaredNorm();
+    SLAMSENSOR_ASSERT(shares.try_push_back(std::min(1.0, d2 / (gate_m * gate_m))));
+  }
+  std::sort(shares.begin(), shares.end());
+  double about = 0.0;  // landmarks of the map
+  graph_.index().visit_within(map, pose_W.translation(), scan_.reach_m,
+                              [&](std::uint32_t, double) { about += 1.0; });
+  const double per_m2 = about / (scan_.reach_m * scan_.reach_m);  // times pi
+  const double pairs = static_cast<double>(points_B_.size()) * per_m2 * apart_m * apart_m;
+  const double places = std::max(1.0, 0.5 * pairs * pairs * kLayerTurn_rad / std::numbers::pi);
+  return std::log10(places) + log10_chance_of_matches(static_cast<std::uint32_t>(points_B_.size()),
+                                                      shares.span(), std::min(1.0, per_m2 * gate_m * gate_m));
+}
+
 /// Whether `other` explains the scan by another layer of the map than `answer` does: the same ground, mapped
-/// twice with drift between. What tells layers from a lattice or a row: hardly any scan ever showed landmarks
-/// of both, though both would have been in view.
+/// twice with drift between. Each layer contradicts the other, so that the matches alone count. What tells
+/// layers from a lattice or a row: hardly any scan ever showed several landmarks of both, though both would
+/// have been in view.
 bool Atlas::is_layer(const Weighed& answer, const Weighed& other) noexcept {
   const Pose2& a = answer.candidate.pose_W;
   const Pose2& b = other.candidate.pose_W;
-  if (other.candidate.map != answer.candidate.map ||
-      other.evidence.ln_bayes < kLayerDecades * std::numbers::ln10 ||
-      (a.translation() - b.translation()).norm() > std::min(kLayerApart_m, 0.5 * scan_.reach_m) ||
+  const double apart_m = std::min(kLayerApart_m, 0.5 * scan_.reach_m);
+  if (other.candidate.map != answer.candidate.map || (a.translation() - b.translation()).norm() > apart_m ||
       std::abs(wrap_angle(a.heading_rad - b.heading_rad)) > kLayerTurn_rad) {
     return false;
   }
   FixedVector<std::uint32_t, kScanLandmarksMax> some;
   FixedVector<std::uint32_t, kScanLandmarksMax> others;
+  MatchList matches;  // of the others
   for (const Match& match : answer.candidate.matches) {
     SLAMSENSOR_ASSERT(some.try_push_back(match.map));
   }
   for (const Match& match : other.candidate.matches) {
     if (std::find(some.begin(), some.end(), match.map) == some.end()) {
-      SLAMSENSOR_ASSERT(others.try_push_back(match.map));
+      SLAMSENSOR_ASSERT(others.try_push_back(match.map) && matches.try_push_back(match));
     }
+  }
+  if (4 * others.size() < 3 * other.candidate.matches.size() ||
+      log10_layers_by_chance(other.candidate.map, b, matches.span(), apart_m) > -kNearDecades) {
+    return false;
   }
   std::uint32_t shown = 0;  // by the scans that showed the fewer
   for (const std::uint32_t slot : others) {
@@ -301,8 +331,7 @@ bool Atlas::is_layer(const Weighed& answer, const Weighed& other) noexcept {
       !std::all_of(others.begin(), others.end(), is_all_kept)) {
     return false;
   }
-  return others.size() >= kLayerMatches && 4 * others.size() >= 3 * other.candidate.matches.size() &&
-         graph_.scans_of_both(some.span(), others.span()) * kLayerScans <= shown;
+  return graph_.scans_of_both(some.span(), others.span(), kLayerShared) * kLayerScans <= shown;
 }
 
 /// A scan that stands in two layers of a map closes the loop between them. True when it did, and what was

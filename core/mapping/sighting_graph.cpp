@@ -469,25 +469,30 @@ bool SightingGraph::may_be_one(std::uint32_t a, std::uint32_t b) noexcept {
       (landmarks_[a].prior_weight > 0.0F && landmarks_[b].prior_weight > 0.0F)) {
     return false;
   }
-  return scans_of_both(std::span(&a, 1), std::span(&b, 1)) == 0;
+  return scans_of_both(std::span(&a, 1), std::span(&b, 1), 1) == 0;
 }
 
 std::size_t SightingGraph::scans_of_both(std::span<const std::uint32_t> some,
-                                         std::span<const std::uint32_t> others) noexcept {
-  const std::uint32_t seen = mark_ + 1;
-  const std::uint32_t counted = mark_ + 2;
-  mark_ += 2;
+                                         std::span<const std::uint32_t> others,
+                                         std::uint32_t least) noexcept {
+  // A scan's mark counts: up to `enough` what it showed of `some`, then up to `both` what of `others`.
+  const std::uint32_t none = mark_;
+  const std::uint32_t enough = none + least;
+  const std::uint32_t both = enough + least;
+  mark_ = both;
   for (const std::uint32_t slot : some) {
     for (std::uint32_t s = landmarks_[slot].sightings; s != kNone; s = sightings_[s].next) {
-      marks_[sightings_[s].pose] = seen;
+      std::uint32_t& mark = marks_[sightings_[s].pose];
+      mark = std::min(std::max(mark, none) + 1, enough);
     }
   }
   std::size_t count = 0;
   for (const std::uint32_t slot : others) {
     for (std::uint32_t s = landmarks_[slot].sightings; s != kNone; s = sightings_[s].next) {
       std::uint32_t& mark = marks_[sightings_[s].pose];
-      count += mark == seen ? 1 : 0;
-      mark = mark == seen ? counted : mark;
+      const bool is_counted = mark >= enough && mark < both;
+      mark += is_counted ? 1 : 0;
+      count += is_counted && mark == both ? 1 : 0;
     }
   }
   return count;

@@ -129,9 +129,10 @@ class SightingGraph {
   /// Whether `a` and `b` can be one landmark, as far as is still known: no scan that is kept shows both, and
   /// not both come from before what is kept.
   [[nodiscard]] bool may_be_one(std::uint32_t a, std::uint32_t b) noexcept;
-  /// How many of the scans that are kept show landmarks of both kinds.
+  /// How many of the scans that are kept show `least` landmarks or more of both kinds; at least 1.
   [[nodiscard]] std::size_t scans_of_both(std::span<const std::uint32_t> some,
-                                          std::span<const std::uint32_t> others) noexcept;
+                                          std::span<const std::uint32_t> others,
+                                          std::uint32_t least) noexcept;
   /// Sums and places of all landmarks from their priors and sightings.
   void sum_anew() noexcept;
   /// Forgets all of a map.

@@ -82,16 +82,16 @@ TEST(AtlasMaps, LocalMapsThatOverlapAreTied) {
 /// Once and a bit more round a ring, with a sensor that sees what is ahead turned a little to one side, so
 /// that the map bends: the ring closes beyond the tolerance. Returns the error of the last pose, aligned
 /// by the first.
-double bent_ring(double bend_rad, const Forest& forest, Draw& draw, tests::InArena<Atlas>& atlas) {
+double bent_ring(double bend_rad, int round_scans, int scans, const tests::ScanModel& model,
+                 const Forest& forest, Draw& draw, tests::InArena<Atlas>& atlas) {
   constexpr double kRadius_m = 45.0;
-  constexpr int kRound = 130;
   double error_m = 0.0;
   Pose2 origin;
-  for (int i = 0; i < kRound + 25; ++i) {
-    const double at_rad = 2.0 * std::numbers::pi * i / kRound;
+  for (int i = 0; i < scans; ++i) {
+    const double at_rad = 2.0 * std::numbers::pi * i / round_scans;
     const Pose2 truth{kRadius_m * std::cos(at_rad), kRadius_m * std::sin(at_rad),
                       at_rad + 0.5 * std::numbers::pi};
-    std::vector<Point2> scan = tests::scan_forest(forest, truth, kClear, draw);
+    std::vector<Point2> scan = tests::scan_forest(forest, truth, model, draw);
     for (Point2& p : scan) {
       p = Pose2{0.0, 0.0, bend_rad * p.x() / p.norm()} * p;
     }
@@ -109,7 +109,7 @@ TEST(AtlasMaps, ALoopThatComesBackBesideItselfIsClosed) {
     Draw draw(seed);
     const Forest forest = tests::make_forest(220, draw);
     tests::InArena<Atlas> atlas(atlas_config());
-    EXPECT_LT(bent_ring(0.3 * kDegree, forest, draw, atlas), 1.0) << "seed " << seed;
+    EXPECT_LT(bent_ring(0.3 * kDegree, 130, 155, kClear, forest, draw, atlas), 1.0) << "seed " << seed;
     // No tree is there twice any more where the ring closed.
     const SightingGraph& graph = atlas->graph();
     std::size_t twice = 0;
@@ -123,6 +123,25 @@ TEST(AtlasMaps, ALoopThatComesBackBesideItselfIsClosed) {
       }
     }
     EXPECT_LE(twice, 1U) << "seed " << seed;
+  }
+}
+
+// Maps that are tied have more landmarks in common than a scan may have.
+TEST(AtlasMaps, ATieTakesAsManyTwinsAsThereIsRoomFor) {
+  const struct {
+    std::uint64_t seed;
+    double bend_rad;
+    int round_scans;
+  } rings[] = {{41, 0.3 * kDegree, 65}, {41, 1.0 * kDegree, 80}, {42, 1.0 * kDegree, 80}};
+  for (const auto& ring : rings) {
+    Draw draw(ring.seed);
+    const Forest forest = tests::make_forest(220, draw);
+    Config config = atlas_config();
+    config.capacities.scan_landmarks = 20;
+    tests::InArena<Atlas> atlas(config);
+    (void)bent_ring(ring.bend_rad, ring.round_scans, 2 * ring.round_scans + 10, {28, 0.3, 3, 0.1}, forest,
+                    draw, atlas);
+    EXPECT_GT(atlas->home()->landmarks, 100U) << "seed " << ring.seed;
   }
 }
 

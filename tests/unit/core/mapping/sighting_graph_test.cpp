@@ -239,8 +239,18 @@ TEST(SightingGraph, WhatOneScanShowsTwiceIsNotOne) {
   EXPECT_FALSE(mirror.graph->may_be_one(slots[0], slots[1]));
   EXPECT_FALSE(mirror.graph->may_be_one(slots[2], slots[1]));
   EXPECT_TRUE(mirror.graph->may_be_one(slots[0], slots[2]));
-  EXPECT_EQ(mirror.graph->scans_of_both(std::vector{slots[0], slots[2]}, std::vector{slots[1]}), 2U);
-  EXPECT_EQ(mirror.graph->scans_of_both(std::vector{slots[0]}, std::vector{slots[2], slots[3]}), 0U);
+  EXPECT_EQ(mirror.graph->scans_of_both(std::vector{slots[0], slots[2]}, std::vector{slots[1]}, 1), 2U);
+  EXPECT_EQ(mirror.graph->scans_of_both(std::vector{slots[0]}, std::vector{slots[2], slots[3]}, 1), 0U);
+  (void)mirror.add_pose(0, Pose2{}, {{slots[0], {0.0, 1.0}}, {slots[1], {4.0, 1.0}}, {slots[2], {8.0, 1.0}}});
+  const std::vector some{slots[0], slots[1]};
+  const std::vector others{slots[2], slots[3]};
+  EXPECT_EQ(mirror.graph->scans_of_both(some, others, 1), 2U);
+  EXPECT_EQ(mirror.graph->scans_of_both(some, others, 2), 0U) << "one landmark of the others";
+  (void)mirror.add_pose(
+      0, Pose2{},
+      {{slots[0], {0.0, 1.0}}, {slots[1], {4.0, 1.0}}, {slots[2], {8.0, 1.0}}, {slots[3], {12.0, 1.0}}});
+  EXPECT_EQ(mirror.graph->scans_of_both(some, others, 2), 1U);
+  EXPECT_EQ(mirror.graph->scans_of_both(others, some, 2), 1U);
   mirror.graph->set_prior(slots[0], 3.0);
   mirror.graph->set_prior(slots[2], 3.0);
   EXPECT_FALSE(mirror.graph->may_be_one(slots[0], slots[2])) << "both come from before what is kept";
