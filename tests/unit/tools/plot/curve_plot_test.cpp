@@ -56,6 +56,10 @@ TEST(CurvePlot, TheHighestValueIsBelowTheUpperEdge) {
   EXPECT_GT(frame_curve(chart({{0, 0}, {1, 60}}), {0, 0}).high.y(), 60.0);
 }
 
+TEST(CurvePlot, AFullTurnHasATickEach50Degrees) {
+  EXPECT_EQ(frame_curve(chart({{-180, 1}, {180, 3}}), {0, 0}).x_step, 50.0);
+}
+
 TEST(CurvePlot, AxesOfCountsHaveTicksAtWholeNumbersAlone) {
   CurvePlot plot = chart({{0, 1}, {3, 2}});
   EXPECT_THAT(draw_curve(plot), HasSubstr(">0.5<"));
