@@ -137,6 +137,7 @@ constexpr double kTick_px = 4.0;
 // A linear axis begins at zero when the lowest value is below this share of the highest.
 constexpr double kZeroShare = 0.6;
 constexpr double kSlack = 1e-9;
+constexpr double kRoomAbove = 0.05;  // of a step, about the size of a marker
 
 struct Limits {
   double low;
@@ -162,7 +163,7 @@ Limits round_limits(double low, double high, double step_min) {
   limits.low = limits.step * std::floor(limits.low / limits.step + kSlack);
   limits.high = limits.step * std::ceil(limits.high / limits.step - kSlack);
   // A curve along the upper edge cannot be seen.
-  if (limits.high - high < kSlack * limits.step) limits.high += limits.step;
+  if (limits.high - high < kRoomAbove * limits.step) limits.high += limits.step;
   return limits;
 }
 

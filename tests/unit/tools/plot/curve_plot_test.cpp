@@ -54,6 +54,7 @@ TEST(CurvePlot, LinearAxisBeginsAtZeroUnlessValuesAreFarFromIt) {
 
 TEST(CurvePlot, TheHighestValueIsBelowTheUpperEdge) {
   EXPECT_GT(frame_curve(chart({{0, 0}, {1, 60}}), {0, 0}).high.y(), 60.0);
+  EXPECT_GT(frame_curve(chart({{0, 0}, {1, 59.9}}), {0, 0}).high.y(), 60.0);
 }
 
 TEST(CurvePlot, AFullTurnHasATickEach50Degrees) {
