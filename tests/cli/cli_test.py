@@ -216,6 +216,8 @@ class Cli(unittest.TestCase):
         landmarks = self.write("landmarks.csv", "scan,x_m,y_m\n1,1,2\n1,3,4\n")
         code, _, errors = run("figure", "spiderweb", "--out", self.folder / "x.svg", landmarks)
         self.assertEqual((code, "holds landmarks" in errors), (DATAERR, True), errors)
+        code, _, errors = run("figure", "spiderweb", "--out", self.folder / "x.svg", self.write("r.lcm", b"\xed\xa1\xda\x01" + bytes(24)))
+        self.assertEqual((code, "is a recording; figures are drawn from clouds" in errors), (DATAERR, True), errors)
         self.assertEqual(run("figure")[0], USAGE)
 
     def test_landmarks_that_were_found_are_a_list_to_replay(self):

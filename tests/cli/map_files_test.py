@@ -101,6 +101,8 @@ class MapFiles(unittest.TestCase):
         code, _, errors = run("map", "import", survey, "--out", "park", "--store", self.store)
         self.assertEqual(code, CANTCREAT)
         self.assertIn("--replace", errors)
+        code, _, errors = run("map", "import", survey, "--out", "park", "--store", self.folder / "none")
+        self.assertEqual((code, "another store with --store" in errors), (CANTCREAT, True), errors)
         self.done("map", "import", survey, "--out", "park", "--store", self.store, "--replace")
         self.assertTrue((self.store / "park.slammap.1").exists(), "the generation before is kept")
 
@@ -241,6 +243,7 @@ class MapFiles(unittest.TestCase):
                 self.assertIn(12, counts)     # track_points
                 self.assertIn("slamsensor_xi", told)
                 self.assertIn("slamsensor_sigma_m", told)
+                self.assertTrue("xi 0, sightings 3, scans" in path.read_text(), path)
             else:
                 self.assertEqual(sorted(counts), [1, count])
         extent = [line for line in ogrinfo(self.folder / "drive.geojson", "-so").splitlines() if "Extent" in line][0]

@@ -109,6 +109,7 @@ class Scans(unittest.TestCase):
         self.addCleanup(demo.wait)
         self.addCleanup(demo.terminate)
         port = next(found[1] for line in demo.stdout if (found := re.search(r"read_pose\.py tcp://localhost:(\d+)", line)))
+        self.assertRegex(next(demo.stdout), r"slamsensor view --socket \S+/control$")
         reader = subprocess.Popen([TREE / "tools/examples/read_pose.py", f"tcp://localhost:{port}"], stdout=subprocess.PIPE, text=True)
         self.addCleanup(reader.stdout.close)
         self.addCleanup(reader.wait)

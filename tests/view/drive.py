@@ -96,11 +96,11 @@ def recording(count=100, reach_m=40.0):
         t = T0 + 2.0 * scan
         pose = pose_at(scan)
         if scan == 12:
-            made = pose_message(scan, pose, AMBIGUOUS, SYMMETRIC)
+            made = pose_message(scan, pose, AMBIGUOUS, SYMMETRIC, search_end=2)
             events.append((t + 0.015, *rivals_message(scan, RIVALS, [21, 17])))
         elif 20 <= scan < 24:
             pose = (scan - 20.0, 0.0, 0.0)
-            made = pose_message(scan, pose, NO_FIX, LOCAL_MAP, map_number=2)
+            made = pose_message(scan, pose, NO_FIX, LOCAL_MAP, map_number=2, expected_false_alarms=1.0)
         else:
             made = pose_message(scan, pose)
         events.append((t, *scan_message(scan, pose, points)))
@@ -108,7 +108,7 @@ def recording(count=100, reach_m=40.0):
         local = 1 if 20 <= scan < 24 else 0
         broken = scan in (15, 16)
         events.append((t + 0.02, *status_message(3 if scan == 12 else 6 if broken else 4 if local else 2, local_maps=local, local_landmarks=20 * local,
-                                                 device_state=[2, 0 if broken else 2],
+                                                 device_state=[2, 0 if broken else 2], device_recoveries=[0, int(scan > 16)],
                                                  problem="no reading for 2 s: look at its cable" if broken else "")))
         events.append((t + 0.03, *counters_message()))
     return points, events

@@ -260,12 +260,15 @@ class LiveTest(PageTest):
         self.assertEqual(view.get("", Host="sensor.example:80")[0], 403)
         self.assertEqual(view.get("", Host="localhost:80")[0], 200)
         self.assertEqual(view.get("../etc/passwd")[0], 404)
-        self.assertEqual(view.get("api/at?t=1")[0], 404)
+        status, text, headers = view.get("api/at?t=1")
+        self.assertEqual((status, headers["Content-Type"]), (404, "text/plain"))
+        self.assertEqual(text, b"nothing is here; look at / for the page, /api/about or /api/stream\n")
         _, text, headers = view.get("")
         self.assertIn("default-src 'none'", headers["Content-Security-Policy"])
         self.assertNotIn(b"http://", text.replace(b"http://www.w3.org", b""))
         self.assertNotIn(b"https://", text)
         recording = self.serve(self.recording())
+        self.assertIn(b"/api/at?t=SECONDS", recording.get("api/stream")[1])
         for bad in ("x", "", "-1", "nan", "1e300", "inf"):
             self.assertEqual(recording.get(f"api/at?t={bad}")[0], 400, bad)
 

@@ -32,6 +32,7 @@ class RecordingTest(PageTest):
         self.assertEqual(fix["Map"], "home (1)")
         self.assertIn("pan-tilt unit", page.text("#devices").lower())
         self.assertIn("PTU-46-17.5", page.text("#devices"))
+        self.assertIn("LW20; back once", page.text("#devices"))
         self.assertIn("searches cut", page.text("#counters"))
         self.assertRegex(page.run("return document.getElementById('map').getAttribute('aria-label')"),
                          r"Home map: 100 landmarks, 25 fixes on the path; the sensor at x 17\.\d, y -9\.\d metres in it")
@@ -53,6 +54,7 @@ class RecordingTest(PageTest):
         page = self.opened()
         self.seek(page, 24.5)  # scan 12
         self.assertEqual(page.text("#state-words"), "ambiguous")
+        self.assertEqual(page.run(LIST, "#fix")["Search"], "cut off: its share of the time was used")
         self.assertEqual(page.run("return slamsensorView.story.path.filter((v) => v === null).length"), 0)
         self.assertIn("another place", page.text("#words").lower())
         self.seek(page, 31.0)  # scan 15
@@ -61,6 +63,7 @@ class RecordingTest(PageTest):
         self.seek(page, 45.5)  # scan 22: in a local map
         self.assertIn("local map", page.text("#words").lower())
         self.assertEqual(page.run(LIST, "#fix")["Map"], "local 2")
+        self.assertEqual(page.run(LIST, "#fix")["Chance poses expected"], "1.0")
         self.assertIn("local map 2", page.run("return document.getElementById('frame').innerText"))
         self.assertGreater(page.run("return slamsensorView.story.local_maps['2'].points.length"), 20)
         self.assertEqual(page.run("return slamsensorView.view.frame"), "2")

@@ -69,6 +69,7 @@ CommandResult run(const Options& options) {
                   std::to_string(options.sets) + " sets (the paper's Fig. 5)"};
   plot.x_label = "depth, mesh steps";
   plot.y_label = "edges";
+  plot.x_step_min = plot.y_step_min = 1.0;
   plot.series.push_back({"edges", {}, CurveStyle::LineAndMarkers});
   CurveSeries complete{"complete graph", {}, CurveStyle::Line};
   std::printf("depth       edges\n");

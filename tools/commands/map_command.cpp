@@ -203,7 +203,8 @@ tl::expected<std::filesystem::path, CommandError> put(const ImportOptions& optio
     const std::vector<std::uint8_t> bytes = firmware::encode_map(map.about, map.state());
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (const auto written = write_file(path, text); !written) {
-      return fail(written.error().message, EX_CANTCREAT);
+      return fail(written.error().message + (is_file ? "" : ", or name another store with --store FOLDER"),
+                  EX_CANTCREAT);
     }
   }
   if (!is_file) {

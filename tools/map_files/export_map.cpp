@@ -172,8 +172,8 @@ std::string attributes(const EarthPoint& place) {
 std::string landmark_words(const core::MapLandmark& landmark) {
   const std::string sigma = sigma_text(landmark);
   return "xi " + std::to_string(landmark.xi) + ", " + (sigma.empty() ? "" : "sigma " + sigma + " m, ") +
-         std::to_string(landmark.sightings) + " sightings, scans " + std::to_string(landmark.first_scan) +
-         " to " + std::to_string(landmark.last_scan);
+         "sightings " + std::to_string(landmark.sightings) + ", scans " +
+         std::to_string(landmark.first_scan) + " to " + std::to_string(landmark.last_scan);
 }
 
 void append_named(std::string& out, const std::string& name) {

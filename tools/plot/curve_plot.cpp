@@ -132,11 +132,12 @@ namespace {
 
 constexpr double kWidth_px = 560.0;
 constexpr double kHeight_px = 340.0;
-constexpr double kTicksWanted = 7.0;
+constexpr double kTicksWanted = 8.0;  // a full turn has one each 50 degrees
 constexpr double kTick_px = 4.0;
 // A linear axis begins at zero when the lowest value is below this share of the highest.
 constexpr double kZeroShare = 0.6;
 constexpr double kSlack = 1e-9;
+constexpr double kRoomAbove = 0.05;  // of a step, about the size of a marker
 
 struct Limits {
   double low;
@@ -152,27 +153,30 @@ Limits with_extent(double low, double high) {
   return {low - half, high + half, 1.0};
 }
 
-Limits round_limits(double low, double high) {
+double tick_step(const Limits& limits, double step_min) {
+  return std::max(step_min, round_step_up((limits.high - limits.low) / kTicksWanted));
+}
+
+Limits round_limits(double low, double high, double step_min) {
   Limits limits = with_extent(low, high);
-  limits.step = round_step_up((limits.high - limits.low) / kTicksWanted);
+  limits.step = tick_step(limits, step_min);
   limits.low = limits.step * std::floor(limits.low / limits.step + kSlack);
   limits.high = limits.step * std::ceil(limits.high / limits.step - kSlack);
   // A curve along the upper edge cannot be seen.
-  if (limits.high - high < kSlack * limits.step) limits.high += limits.step;
+  if (limits.high - high < kRoomAbove * limits.step) limits.high += limits.step;
   return limits;
 }
 
 // x keeps its own range with a little room: rounding it up could leave half of the chart empty.
-Limits x_limits(double low, double high) {
-  Limits limits = with_extent(low, high);
-  limits.step = round_step_up((limits.high - limits.low) / kTicksWanted);
+Limits x_limits(double low, double high, double step_min) {
+  const Limits limits = with_extent(low, high);
   const double room = 0.03 * (limits.high - limits.low);
-  return {limits.low - room, limits.high + room, limits.step};
+  return {limits.low - room, limits.high + room, tick_step(limits, step_min)};
 }
 
-Limits y_limits(double low, double high, AxisScale scale) {
-  if (scale == AxisScale::Linear) {
-    return round_limits(low >= 0.0 && low < kZeroShare * high ? 0.0 : low, high);
+Limits y_limits(double low, double high, const CurvePlot& plot) {
+  if (plot.y_scale == AxisScale::Linear) {
+    return round_limits(low >= 0.0 && low < kZeroShare * high ? 0.0 : low, high, plot.y_step_min);
   }
   const double room = std::max(0.05, 0.06 * (high - low));
   Limits limits{low - room, high + room, 1.0};
@@ -246,8 +250,8 @@ bool is_drawable(const core::Point2& point, AxisScale y_scale) {
 
 CurveFrame frame_curve(const CurvePlot& plot, const core::Point2& corner_px) {
   const Eigen::AlignedBox2d box = extent(plot);
-  const Limits x = x_limits(box.min().x(), box.max().x());
-  const Limits y = y_limits(box.min().y(), box.max().y(), plot.y_scale);
+  const Limits x = x_limits(box.min().x(), box.max().x(), plot.x_step_min);
+  const Limits y = y_limits(box.min().y(), box.max().y(), plot);
   CurveFrame frame;
   frame.area = {corner_px.x(), corner_px.y(), corner_px.x() + kWidth_px, corner_px.y() + kHeight_px};
   frame.low = {x.low, y.low};

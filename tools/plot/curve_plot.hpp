@@ -27,6 +27,8 @@ struct CurvePlot {
   std::string x_label;
   std::string y_label;
   AxisScale y_scale = AxisScale::Linear;
+  double x_step_min = 0.0;  ///< ticks are no closer than this: 1 for counts
+  double y_step_min = 0.0;  ///< of a linear axis
   std::vector<CurveSeries> series;
 };
 

@@ -5,6 +5,7 @@
 #include "tools/commands/command.hpp"
 #include "tools/input/scan_source.hpp"
 #include "tools/plot/svg.hpp"
+#include "tools/recording/recording_file.hpp"
 #include "tools/report/correspondence_figure.hpp"
 #include "tools/report/scan_figures.hpp"
 
@@ -44,6 +45,11 @@ tl::expected<firmware::LoadedConfig, CommandError> prepare(const Options& option
 tl::expected<std::vector<InputScan>, CommandError> read_scans(const Options& options,
                                                               const firmware::Config& config,
                                                               std::size_t count) {
+  if (const auto log = std::find_if(options.inputs.begin(), options.inputs.end(), is_event_log_file);
+      log != options.inputs.end()) {
+    return fail(log->string() + ": is a recording; figures are drawn from clouds, readings or landmark lists",
+                EX_DATAERR);
+  }
   const auto source = open_scans(options.inputs, config);
   if (!source) {
     return fail(source.error().message, EX_NOINPUT);

@@ -66,6 +66,7 @@ CurvePlot plot_of(std::string title, std::string x_label, std::string y_label) {
 
 ReportPlot matches_plot(const std::vector<ReportRow>& rows) {
   CurvePlot plot = plot_of("Landmarks of each scan", "scan", "landmarks");
+  plot.x_step_min = plot.y_step_min = 1.0;
   CurveSeries seen{"seen", {}, CurveStyle::Line};
   CurveSeries matches{"matched", {}, CurveStyle::Line};
   CurveSeries none{"no fix", {}, CurveStyle::Markers};
@@ -89,6 +90,7 @@ ReportPlot matches_plot(const std::vector<ReportRow>& rows) {
 
 ReportPlot time_plot(const std::vector<ReportRow>& rows) {
   CurvePlot plot = plot_of("Time of each scan", "scan", "ms");
+  plot.x_step_min = 1.0;
   plot.y_scale = AxisScale::Logarithmic;
   CurveSeries times{"", {}, CurveStyle::Markers};
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -123,6 +125,7 @@ std::vector<Judged> judged_fixes(const std::vector<ReportRow>& rows, const Align
 
 ReportPlot error_plot(const std::vector<Judged>& fixes) {
   CurvePlot plot = plot_of("Error against the truth along the path", "scan", "m");
+  plot.x_step_min = 1.0;
   CurveSeries error{"error", {}, CurveStyle::LineAndMarkers};
   CurveSeries sigma{"sigma", {}, CurveStyle::Line};
   CurveSeries protection{"protection radius", {}, CurveStyle::Line};
@@ -144,7 +147,7 @@ ReportPlot error_plot(const std::vector<Judged>& fixes) {
 }
 
 ReportPlot sigma_plot(const std::vector<Judged>& fixes) {
-  CurvePlot plot = plot_of("Error against the sigma that was told", "sigma, m", "error, m");
+  CurvePlot plot = plot_of("Error against the reported sigma", "sigma, m", "error, m");
   CurveSeries points{"fixes", {}, CurveStyle::Markers};
   double largest_m = 0.0;
   std::size_t beyond = 0;
@@ -165,6 +168,7 @@ ReportPlot sigma_plot(const std::vector<Judged>& fixes) {
 
 ReportPlot xi_plot(const std::vector<Judged>& fixes) {
   CurvePlot plot = plot_of("Error against xi", "xi, triangulations from the origin", "error, m");
+  plot.x_step_min = 1.0;
   CurveSeries points{"fixes", {}, CurveStyle::Markers};
   std::map<double, std::pair<double, std::size_t>> squares;
   for (const Judged& fix : fixes) {

@@ -177,6 +177,13 @@ class ViewServer::Pages {
       }
       return httplib::Server::HandlerResponse::Unhandled;
     });
+    server_.set_error_handler([this](const Request&, Response& response) {
+      if (response.status == 404) {
+        response.set_content(std::string("nothing is here; look at / for the page, /api/about or ") +
+                                 (recording_ ? "/api/at?t=SECONDS\n" : "/api/stream\n"),
+                             "text/plain");
+      }
+    });
     add_files();
     add_story();
     server_.Post("/api/ctl", [this](const Request& request, Response& response) { obey(request, response); });

@@ -48,6 +48,9 @@ function ellipse([xx, xy, yy]) {
 const headingText = (heading, digits) => `${fixed(((degrees(heading) % 360) + 360) % 360, digits)}°`;
 const placeText = ({ x, y, heading }) => `x ${fixed(x, 1)}, y ${fixed(y, 1)} m, heading ${headingText(heading, 0)}`;
 
+const timesText = (count) => (count === 1 ? "once" : `${count} times`);
+const SEARCH_WORDS = { not_started: "not started", share: "cut off: its share of the time was used", deadline: "cut off at the deadline" };
+
 /** Of an ambiguous pose: which place is drawn as the sensor's, and which others explain the scan. */
 function rivalWords(pose) {
   const rivals = story.rivals || [];
@@ -120,9 +123,9 @@ function tellFix() {
     pose.has_pose && ["Protection radius", `${fixed(pose.protection, 2)} m`],
     pose.has_pose && ["Error xi", String(pose.xi)],
     ["Matches", `${pose.matches} of ${pose.seen} seen`],
-    ["Chance poses expected", pose.false_alarms === null ? "–" : pose.false_alarms.toExponential(1)],
+    ["Chance poses expected", pose.false_alarms === null ? "–" : pose.false_alarms.toPrecision(2)],
     ["Map", pose.map === 0 ? "none" : pose.map === pose.home ? `home (${pose.map})` : `local ${pose.map}`],
-    ["Search", pose.search],
+    ["Search", SEARCH_WORDS[pose.search] || pose.search],
     ["Jumps", String(pose.jumps)],
     ["First fix after", span(pose.first_fix_s)],
   ]);
@@ -151,7 +154,7 @@ function tellDevices(devices) {
     state.className = device.state === "ready" ? "good" : ["starting", NOT_KNOWN.state].includes(device.state) ? "warn" : "bad";
     state.textContent = device.state;
     const more = document.createElement("span");
-    more.textContent = [device.model, device.problem, device.recoveries ? `${device.recoveries} recoveries` : ""].filter(Boolean).join("; ");
+    more.textContent = [device.model, device.problem, device.recoveries && `back ${timesText(device.recoveries)}`].filter(Boolean).join("; ");
     item.replaceChildren(document.createTextNode(`${device.name} `), state, more);
   });
 }

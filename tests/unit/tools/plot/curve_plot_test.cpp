@@ -10,6 +10,7 @@
 namespace slamsensor::tools {
 namespace {
 
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -53,6 +54,22 @@ TEST(CurvePlot, LinearAxisBeginsAtZeroUnlessValuesAreFarFromIt) {
 
 TEST(CurvePlot, TheHighestValueIsBelowTheUpperEdge) {
   EXPECT_GT(frame_curve(chart({{0, 0}, {1, 60}}), {0, 0}).high.y(), 60.0);
+  EXPECT_GT(frame_curve(chart({{0, 0}, {1, 59.9}}), {0, 0}).high.y(), 60.0);
+}
+
+TEST(CurvePlot, AFullTurnHasATickEach50Degrees) {
+  EXPECT_EQ(frame_curve(chart({{-180, 1}, {180, 3}}), {0, 0}).x_step, 50.0);
+}
+
+TEST(CurvePlot, AxesOfCountsHaveTicksAtWholeNumbersAlone) {
+  CurvePlot plot = chart({{0, 1}, {3, 2}});
+  EXPECT_THAT(draw_curve(plot), HasSubstr(">0.5<"));
+  plot.x_step_min = 1.0;
+  plot.y_step_min = 1.0;
+  for (const auto& points : {std::vector<core::Point2>{{0, 1}, {3, 2}}, {{4, 4}}, {{0, 90}, {1, 91}}}) {
+    plot.series[0].points = points;
+    EXPECT_THAT(draw_curve(plot), Not(ContainsRegex(">-?[0-9]+\\.[0-9]+<")));
+  }
 }
 
 TEST(CurvePlot, PointsThatCannotBeDrawnBreakTheLine) {

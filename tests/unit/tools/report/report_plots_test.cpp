@@ -58,6 +58,8 @@ TEST(ReportPlots, WithoutTruthAndTimesThereIsThePlotOfMatches) {
   ASSERT_EQ(plots.size(), 1U);
   EXPECT_EQ(plots[0].plot.summary[0], "1 of 2 scans gave a fix");
   EXPECT_EQ(plots[0].plot.series.size(), 3U);
+  EXPECT_EQ(plots[0].plot.x_step_min, 1.0);
+  EXPECT_EQ(plots[0].plot.y_step_min, 1.0);
 }
 
 }  // namespace
