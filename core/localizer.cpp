@@ -6,8 +6,9 @@
 
 namespace slamsensor::core {
 
-bool Localizer::set_map(std::span<const Point2> map_W) noexcept {
-  const bool is_sound = std::all_of(map_W.begin(), map_W.end(), on_lattice) && atlas_.take_survey(map_W);
+bool Localizer::set_map(std::span<const Point2> map_W, std::span<const LandmarkSize> sizes) noexcept {
+  const bool is_sound =
+      std::all_of(map_W.begin(), map_W.end(), on_lattice) && atlas_.take_survey(map_W, sizes);
   if (!is_sound) {
     atlas_.reset();
   }

@@ -17,9 +17,11 @@ class Localizer {
  public:
   Localizer(Arena& arena, const Config& config) noexcept : atlas_(arena, config) {}
 
-  /// Makes `map_W` (m), a survey that leaves nothing out, the map. False, and the map is empty, when it
-  /// exceeds capacities.map_landmarks or holds a point that is not finite or out of reach.
-  [[nodiscard]] bool set_map(std::span<const Point2> map_W) noexcept;
+  /// Makes `map_W` (m), a survey that leaves nothing out, the map, with a size of each or no sizes. False,
+  /// and the map is empty, when it exceeds capacities.map_landmarks or holds a point that is not finite or
+  /// out of reach.
+  [[nodiscard]] bool set_map(std::span<const Point2> map_W,
+                             std::span<const LandmarkSize> sizes = {}) noexcept;
 
   /// Makes `state` the map, as Slam::restore does: a survey only where it says that it is one. With a flaw
   /// the map is as it was.

@@ -32,6 +32,7 @@ struct Reading {
 struct ScanLandmark {
   Point2 position_L = Point2::Zero();  ///< in the sensor frame, m
   double weight = 0.0;                 ///< the detector's certainty: larger is better; only the order matters
+  double diameter_m = 0.0;             ///< 0: not measured
 };
 
 }  // namespace slamsensor::core

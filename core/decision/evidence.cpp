@@ -36,6 +36,12 @@ constexpr double kConfirmedClutter =
     0.05;  // share of the confirmed landmarks that another map may lack at least ...
 constexpr double kConfirmedShare = 0.5;  // ... or this share of what a scan's landmarks may
 constexpr double kLookedAt = 0.5;        // explored this much, ground counts as explored
+constexpr std::uint32_t kSizesMin = 6;   // witnesses with a size that show how sizes differ here
+constexpr double kSizeWrong = 0.1;       // share of sizes that were not measured of the landmark alone ...
+constexpr double kSizeMost = 20.0;       // ... and the most that one size can say for a match
+constexpr double kSizeSigmas = 2.0;      // beyond, a match has an odd size
+constexpr double kSizeOdd = 0.15;        // share of odd sizes at the right pose ...
+constexpr double kSizeOddUsual = 0.43;  // ... and the decades that their chance is away from 1 on the average
 
 /// ln Gamma for x >= 0.5 (Stirling with two terms after shifting up; error below 1e-7).
 double ln_gamma(double x) noexcept {
@@ -179,6 +185,7 @@ Evidence EvidenceScale::weigh(const Witnesses& witnesses, const Maps& maps, Cand
   weigh_matches(scene, candidate, evidence);
   weigh_unmatched(scene, candidate, evidence);
   weigh_missing(scene, candidate, evidence);
+  weigh_sizes(scene, candidate, evidence);
   double copy_m = acceptance_.copy_size_m;
   if (copy_m <= 0.0) {
     copy_m = witnesses.is_surveyed ? kCopyShare * std::sqrt(1.0 / scene.density_per_m2) : kCopy_m;
@@ -367,6 +374,53 @@ void EvidenceScale::weigh_missing(const Scene& scene, const Candidate& candidate
         log10_beta_binomial_tail(evidence.in_view, evidence.missing, expected_missing / evidence.in_view,
                                  experience(scene.maps.rates.clutter_count));
   }
+}
+
+/// A landmark's ln diameter is normal with the mean and variance that the witnesses show, less the variance
+/// of a measurement, which is learned. So the map's mean says what the witness should have measured. A share
+/// kSizeWrong of the measurements says nothing of the landmark.
+void EvidenceScale::weigh_sizes(const Scene& scene, const Candidate& candidate, Evidence& evidence) noexcept {
+  const std::span<const LandmarkSize> sizes = scene.witnesses.sizes;
+  double sum = 0.0;
+  double sum2 = 0.0;
+  double count = 0.0;
+  for (const LandmarkSize& size : sizes) {
+    const double ln_diameter = size.is_known() ? static_cast<double>(size.ln_diameter) : 0.0;
+    sum += ln_diameter;
+    sum2 += ln_diameter * ln_diameter;
+    count += size.is_known() ? 1.0 : 0.0;
+  }
+  const double measured2 = scene.maps.rates.size_variance();
+  const double mean = sum / std::max(1.0, count);
+  const double spread2 = (sum2 - sum * mean) / std::max(1.0, count - 1.0) - measured2;
+  if (count < kSizesMin || spread2 <= 0.0) {
+    return;  // all alike, as far as can be measured
+  }
+  std::uint32_t sized = 0;
+  std::uint32_t odd = 0;
+  for (const Match& match : candidate.matches) {
+    const LandmarkSize& seen = sizes[match.scan];
+    const LandmarkSize& known = scene.maps.standing[match.map].size;
+    if (!seen.is_known() || !known.is_known()) {
+      continue;
+    }
+    const double own2 = measured2 / static_cast<double>(seen.sightings);
+    const double weight = static_cast<double>(known.sightings) / measured2;
+    const double variance = 1.0 / (1.0 / spread2 + weight);
+    const double expected = variance * (mean / spread2 + weight * static_cast<double>(known.ln_diameter));
+    const double off = static_cast<double>(seen.ln_diameter) - expected;
+    const double off_mean = static_cast<double>(seen.ln_diameter) - mean;
+    const double ln_ratio = 0.5 * (std::log((spread2 + own2) / (variance + own2)) -
+                                   off * off / (variance + own2) + off_mean * off_mean / (spread2 + own2));
+    evidence.ln_sizes +=
+        std::log(kSizeWrong + (1.0 - kSizeWrong) * std::min(kSizeMost, std::exp(std::min(ln_ratio, 10.0))));
+    ++sized;
+    odd += off * off > kSizeSigmas * kSizeSigmas * (variance + own2) ? 1 : 0;
+  }
+  evidence.ln_bayes += evidence.ln_sizes;
+  const double log10_odd =
+      log10_beta_binomial_tail(sized, odd, kSizeOdd, experience(scene.maps.rates.size_count));
+  evidence.log10_odd_sizes = std::min(0.0, log10_odd + kSizeOddUsual);
 }
 
 /// Matches within the size of a copy of the strongest are one group, then those within it of the strongest

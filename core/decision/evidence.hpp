@@ -6,6 +6,7 @@
 #include "core/decision/explored_ground.hpp"
 #include "core/decision/rates.hpp"
 #include "core/decision/scan_view.hpp"
+#include "core/landmark_size.hpp"
 
 #include <Eigen/Core>
 
@@ -17,19 +18,21 @@
 
 namespace slamsensor::core {
 
-/// How often a landmark of a map was seen, as the decision needs it.
+/// What is known of a landmark of a map beside its place, as the decision needs it.
 struct Standing {
   std::uint32_t sightings = 1;
   std::uint32_t chances = 1;  ///< scans whose view should have shown it, sightings included
+  LandmarkSize size{};
 };
 
 /// Landmarks that are held against the maps: those of a scan, or the confirmed ones of a local map.
 struct Witnesses {
-  std::span<const Point2> points_B;  ///< m, in the frame B whose pose is sought
-  const ScanView* view = nullptr;    ///< of a scan; null for a local map
-  Pose2 T_L_B;                       ///< of a scan: from B to the sensor's frame, in which the view is
-  MapSlot own_map = 0;               ///< of a local map: the map whose explored ground is the view
-  Pose2 T_own_B;                     ///< of a local map: from B to its frame
+  std::span<const Point2> points_B;     ///< m, in the frame B whose pose is sought
+  std::span<const LandmarkSize> sizes;  ///< of each of them
+  const ScanView* view = nullptr;       ///< of a scan; null for a local map
+  Pose2 T_L_B;                          ///< of a scan: from B to the sensor's frame, in which the view is
+  MapSlot own_map = 0;                  ///< of a local map: the map whose explored ground is the view
+  Pose2 T_own_B;                        ///< of a local map: from B to its frame
   bool is_surveyed = false;     ///< the maps are complete: what looks like a place is that place or chance
   double sensor_reach_m = 0.0;  ///< of a short one groups are a share; 0: no groups but the usual ones
   double sigma_share = 1.0;     ///< spread of a witness, as a share of a scan's: a mean of sightings has less
@@ -48,20 +51,24 @@ struct Maps {
 struct Evidence {
   double ln_bayes =
       -std::numeric_limits<double>::infinity();  ///< against an unmapped place, all poses alike before
+  double ln_sizes = 0.0;                         ///< the part of it that the sizes of the matches have
   double group_decades =
       0.0;  ///< independent groups of matches, each at most one decade, the largest not counted
   double small_group_decades = 0.0;  ///< the same where copies are a share of the sensor's reach at most
   double log10_unmatched = 0.0;      ///< chance of so many landmarks without a counterpart on explored ground
-  double log10_missing = 0.0;   ///< chance of so many landmarks of the map not shown where they should be
-  std::uint32_t unmatched = 0;  ///< landmarks without a counterpart on explored ground
-  std::uint32_t explored = 0;   ///< landmarks on explored ground
-  std::uint32_t missing = 0;    ///< landmarks of the map in view that are not shown
-  std::uint32_t in_view = 0;    ///< landmarks of the map in view
-  double sigma_m = 0.0;         ///< spread of the matches about the map, per axis, scan alone
+  double log10_missing = 0.0;    ///< chance of so many landmarks of the map not shown where they should be
+  double log10_odd_sizes = 0.0;  ///< chance of so many matches that are not as thick as the map has them
+  std::uint32_t unmatched = 0;   ///< landmarks without a counterpart on explored ground
+  std::uint32_t explored = 0;    ///< landmarks on explored ground
+  std::uint32_t missing = 0;     ///< landmarks of the map in view that are not shown
+  std::uint32_t in_view = 0;     ///< landmarks of the map in view
+  double sigma_m = 0.0;          ///< spread of the matches about the map, per axis, scan alone
   Eigen::Matrix3d covariance =
       Eigen::Matrix3d::Identity();  ///< of (x m, y m, heading rad) beside the landmarks
 
-  [[nodiscard]] double contradiction_decades() const noexcept { return -(log10_unmatched + log10_missing); }
+  [[nodiscard]] double contradiction_decades() const noexcept {
+    return -(log10_unmatched + log10_missing + log10_odd_sizes);
+  }
 };
 
 /// Weighs the evidence for a pose (DESIGN 2.4).
@@ -78,6 +85,9 @@ struct Evidence {
 /// needs no count of tests. What it cannot know is that the world comes in copies. Hence the two others.
 /// Landmarks within the size of a copy are one witness: groups count at most a decade each, the largest not
 /// at all. And what contradicts the pose counts by the tail of a beta-binomial, whose spread the rates give.
+/// Where witnesses have a size, each match multiplies BF by how likely its size is for that landmark, against
+/// its likelihood for any other that the witnesses show: what all of them have in common says nothing. Sizes
+/// that disagree contradict the pose, by the same tail.
 /// In a survey nothing is learned of d: there the share that a scan shows is integrated out under a beta
 /// prior.
 class EvidenceScale {
@@ -108,6 +118,7 @@ class EvidenceScale {
   void weigh_matches(const Scene& scene, const Candidate& candidate, Evidence& evidence) noexcept;
   void weigh_unmatched(const Scene& scene, const Candidate& candidate, Evidence& evidence) const noexcept;
   void weigh_missing(const Scene& scene, const Candidate& candidate, Evidence& evidence) const noexcept;
+  static void weigh_sizes(const Scene& scene, const Candidate& candidate, Evidence& evidence) noexcept;
   [[nodiscard]] double group_decades(const Scene& scene, const Candidate& candidate,
                                      double copy_m) const noexcept;
 

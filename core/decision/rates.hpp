@@ -11,9 +11,10 @@
 namespace slamsensor::core {
 
 /// What has been learned of how scans show a map: the spread of matched landmarks, the share of landmarks
-/// that have no counterpart, the share of the map's landmarks that a scan shows, by range and bearing, and
-/// how far a trunk's near face is from its centre. Each starts from a prior worth a number of observations,
-/// is bounded, and forgets slowly, so that it follows a change of the world. Kept with the map. Plain values.
+/// that have no counterpart, the share of the map's landmarks that a scan shows, by range and bearing,
+/// how well it measures their sizes, and how far a trunk's near face is from its centre. Each starts from a
+/// prior worth a number of observations, is bounded, and forgets slowly, so that it follows a change of the
+/// world. Kept with the map. Plain values.
 struct Rates {
   static constexpr std::size_t kRangeBins = 16;
   static constexpr double kRangeBin_m = 6.0;  // the last bin has all that is farther
@@ -30,7 +31,10 @@ struct Rates {
   std::array<float, kBearingBins> bearings{};  ///< landmarks of scans, by bearing in the sensor's frame
   double offset_m = 0.0;  ///< a landmark's centre lies this much farther than what the sensor measured
 
-  /// Hands every number of `rates` to `visit`, always in the same order: kDoubles, then kFloats.
+  double size_square = 0.0;  ///< sum of squared differences of ln diameters, of one measurement
+  double size_count = 0.0;   ///< observations behind it
+
+  /// Hands every number of `rates` to `visit`, always in the same order: eight doubles, kFloats, two doubles.
   template <typename Self, typename Visit>
   static void visit_numbers(Self& rates, const Visit& visit) {
     for (auto* const number :
@@ -42,8 +46,10 @@ struct Rates {
       std::for_each(bins->begin(), bins->end(), visit);
     }
     std::for_each(rates.bearings.begin(), rates.bearings.end(), visit);
+    visit(rates.size_square);
+    visit(rates.size_count);
   }
-  static constexpr std::size_t kDoubles = 8;
+  static constexpr std::size_t kDoubles = 10;
   static constexpr std::size_t kFloats = 2 * kRangeBins + kBearingBins;
 
   /// Whether scans can have taught these numbers. Only the offset may be negative.
@@ -93,6 +99,13 @@ struct Rates {
     constexpr double kPrior = 40.0;
     return std::clamp(std::sqrt((spread_m2 + kPrior * start_m * start_m) / (spread_count + kPrior)),
                       0.2 * start_m, 3.0 * start_m);
+  }
+  /// Variance of one measurement of a ln diameter. Until something is learned it is so large that sizes say
+  /// nothing.
+  [[nodiscard]] double size_variance() const noexcept {
+    constexpr double kPrior = 10.0;
+    constexpr double kStart = 0.25;
+    return std::clamp((size_square + kPrior * kStart) / (size_count + kPrior), 1e-4, 1.0);
   }
   /// Share of a scan's landmarks on explored ground that the map does not have.
   [[nodiscard]] double clutter_share() const noexcept {

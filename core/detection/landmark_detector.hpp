@@ -52,6 +52,7 @@ class LandmarkDetector {
   };
 
   [[nodiscard]] Point2 point_L(const CellGroup& group) noexcept;
+  [[nodiscard]] double diameter_m(const CellGroup& group, double range_m) const noexcept;
   void look_far() noexcept;
 
   LandmarkPoint point_;
@@ -63,6 +64,8 @@ class LandmarkDetector {
   ScanLandmark* landmarks_;           // per element of heaviest_
   BoundedVector<Farthest> farthest_;  // per column
   BoundedVector<float> free_m_;       // per column
+  std::uint64_t readings_ = 0;        // of the scan
+  std::uint64_t looks_ = 0;           // columns of its scanlines that have a reading
 };
 
 }  // namespace slamsensor::core

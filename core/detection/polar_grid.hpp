@@ -32,6 +32,11 @@ class PolarGrid {
     return (column == 0 ? columns_ : column) - 1;
   }
 
+  /// Columns from `from` to `to`, the shorter way round; to the left positive.
+  [[nodiscard]] double columns_between(std::uint32_t from, std::uint32_t to) const noexcept {
+    return std::remainder(static_cast<double>(to) - static_cast<double>(from), static_cast<double>(columns_));
+  }
+
   /// The column of a finite bearing, which is taken modulo 2 pi; what rounds to 2 pi is in column 0.
   [[nodiscard]] std::uint32_t column_of(double bearing_rad) const noexcept {
     const double in_columns = into_turn(bearing_rad) * columns_per_rad_ + kEdgeSlack;

@@ -104,7 +104,12 @@ void Spiderweb::take_cell(std::uint32_t cell, CellGroup& group) noexcept {
   const std::uint32_t slot = std::exchange(slots_[cell], 0) - 1;
   SLAMSENSOR_ASSERT(grouped_.try_push_back(cell));  // never full: an occupied cell is taken once
   ++group.size;
+  const auto count = static_cast<double>(occupied_[slot].count);
   group.count += occupied_[slot].count;
+  const double beside =
+      grid_.columns_between(grouped_[group.begin] % grid_.columns(), cell % grid_.columns());
+  group.sum_columns += count * beside;
+  group.sum_columns2 += count * beside * beside;
   group.nearest_cell = std::min(group.nearest_cell, cell);
   if (keeps_sums_) {
     group.sum_x_m += sums_[slot].x();

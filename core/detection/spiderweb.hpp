@@ -7,6 +7,8 @@
 #include "core/memory/arena.hpp"
 #include "core/memory/bounded_vector.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -22,7 +24,15 @@ struct CellGroup {
       0;                 ///< its innermost cell, of those the one with the lowest column; no group shares it
   double sum_x_m = 0.0;  ///< of the readings in its cells, when the spiderweb keeps them
   double sum_y_m = 0.0;
+  double sum_columns = 0.0;   ///< over the count: columns from the first cell on, to the left positive ...
+  double sum_columns2 = 0.0;  ///< ... and their squares
 
+  /// How many columns it is wide: so many that are equally full have the variance of its columns.
+  [[nodiscard]] double columns_wide() const noexcept {
+    const auto n = static_cast<double>(count);
+    const double mean = sum_columns / n;
+    return std::sqrt(12.0 * std::max(0.0, sum_columns2 / n - mean * mean) + 1.0);
+  }
   /// Mean number of scanlines that see a cell of the group: how tall it stands.
   [[nodiscard]] double weight() const noexcept {
     return static_cast<double>(count) / static_cast<double>(size);

@@ -22,9 +22,11 @@ Atlas::Atlas(Arena& arena, const Config& config) noexcept
       scale_(config.association, config.acceptance),
       points_L_(arena, "scan: landmarks as measured", config.capacities.scan_landmarks),
       points_B_(arena, "scan: landmarks", config.capacities.scan_landmarks),
+      sizes_(arena, "scan: sizes of landmarks", config.capacities.scan_landmarks),
       seen_(arena, "scan: sightings", config.capacities.scan_landmarks),
       confirmed_(arena, "ties: landmarks", config.capacities.scan_landmarks),
       confirmed_slots_(arena, "ties: landmark slots", config.capacities.scan_landmarks),
+      confirmed_sizes_(arena, "ties: sizes of landmarks", config.capacities.scan_landmarks),
       found_(arena, "association: candidates", 1),
       weighed_(arena, "decision: weighed candidates", kCandidatesMax),
       weighed_ties_(arena, "decision: weighed ties", kCandidatesMax),
@@ -58,6 +60,7 @@ void Atlas::reset() noexcept {
 void Atlas::take_landmarks(std::span<const ScanLandmark> landmarks) noexcept {
   points_L_.clear();
   points_B_.clear();
+  sizes_.clear();
   scan_.reach_m = 0.0;
   double second_m = 0.0;
   for (const ScanLandmark& landmark : landmarks) {
@@ -66,7 +69,8 @@ void Atlas::take_landmarks(std::span<const ScanLandmark> landmarks) noexcept {
     } else if (!points_L_.try_push_back(landmark.position_L)) {
       ++counters_.landmarks_cut;
     } else {
-      SLAMSENSOR_ASSERT(points_B_.try_push_back(graph_.body_point(landmark.position_L)));
+      SLAMSENSOR_ASSERT(points_B_.try_push_back(graph_.body_point(landmark.position_L)) &&
+                        sizes_.try_push_back(LandmarkSize::seen(landmark.diameter_m)));
       const double range_m = landmark.position_L.norm();
       second_m = std::max(second_m, std::min(range_m, scan_.reach_m));
       scan_.reach_m = std::max(scan_.reach_m, range_m);
@@ -78,6 +82,7 @@ void Atlas::take_landmarks(std::span<const ScanLandmark> landmarks) noexcept {
 Witnesses Atlas::scan_witnesses() const noexcept {
   Witnesses witnesses;
   witnesses.points_B = points_B_.span();
+  witnesses.sizes = sizes_.span();
   witnesses.view = scan_.view;
   witnesses.T_L_B = T_L_B_;
   witnesses.is_surveyed = is_surveyed_;
@@ -103,6 +108,9 @@ Fix Atlas::process(std::span<const ScanLandmark> landmarks, const ScanView& view
     ++blind_scans_;
   } else {
     search(deadline, Rivals::WhereLikely, fix);
+    if (frozen_ == Frozen::No || is_surveyed_) {
+      learn_sizes();
+    }
     localise(deadline, fix);
     blind_scans_ = 0;
   }
@@ -397,12 +405,6 @@ Stake Atlas::stake_of(MapSlot map) const noexcept {
   return static_cast<double>(again) >= wanted ? Stake::Again : Stake::Fix;
 }
 
-void Atlas::count_out(std::uint32_t slot) noexcept {
-  MapEntry& entry = maps_[graph_.landmark(slot).map];
-  --entry.landmarks;
-  entry.confirmed -= graph_.standing(slot).sightings >= 2 && entry.confirmed > 0 ? 1 : 0;
-}
-
 MapSlot Atlas::free_map() noexcept {
   MapSlot least = kNoMap;
   for (MapSlot i = 0; i < kMapsMax; ++i) {
@@ -456,6 +458,7 @@ void Atlas::start_map(Fix& fix) noexcept {
     }
     const std::uint32_t slot = graph_.add_landmark(map, points_B_[i], scan_.number, 0);
     if (slot != SightingGraph::kNone) {
+      graph_.standing(slot).size = sizes_[i];
       ++entry.landmarks;
       SLAMSENSOR_ASSERT(seen_.try_push_back({slot, points_L_[i]}));
     }
@@ -497,57 +500,6 @@ void Atlas::found_home_with(MapSlot map, Fix& fix) noexcept {
                       sigma_m * sigma_m / static_cast<double>(points_B_.size()), maps_[map].frame_turn2)
           .asDiagonal();
   add_common_errors(map, {}, fix);
-}
-
-/// A full memory loses the least useful landmarks: those of the least local map first, then the least
-/// confirmed of all.
-void Atlas::make_room(std::uint32_t wanted) noexcept {
-  if (graph_.free_landmarks() >= wanted) {
-    return;
-  }
-  MapSlot least = kNoMap;
-  for (MapSlot i = 0; i < kMapsMax; ++i) {
-    if (maps_[i].number != 0 && i != home_ && maps_[i].last_scan != scan_.number &&
-        (least == kNoMap || maps_[i].confirmed < maps_[least].confirmed)) {
-      least = i;
-    }
-  }
-  if (least != kNoMap) {
-    landmarks_evicted_ += maps_[least].landmarks;
-    drop_map(least);
-    return;
-  }
-  for (std::uint32_t dropped = 0; dropped < wanted; ++dropped) {
-    const std::uint32_t worst = least_useful_in_turn();
-    if (worst == SightingGraph::kNone) {
-      return;
-    }
-    count_out(worst);
-    graph_.remove_landmark(worst);
-    ++landmarks_evicted_;
-  }
-}
-
-/// The least useful landmark of a stretch of them; the next call looks at the next stretch. kNone when the
-/// scan shows all that there are.
-std::uint32_t Atlas::least_useful_in_turn() noexcept {
-  std::uint32_t worst = SightingGraph::kNone;
-  double worst_use = std::numeric_limits<double>::infinity();
-  for (std::uint32_t i = 0; i < graph_.slots() && (i < kRoomStretch || worst == SightingGraph::kNone); ++i) {
-    const std::uint32_t slot = room_turn_ = room_turn_ + 1 < graph_.slots() ? room_turn_ + 1 : 0;
-    if (!graph_.is_used(slot) || graph_.landmark(slot).last_scan == scan_.number) {
-      continue;
-    }
-    const Standing& standing = graph_.standing(slot);
-    const double age = static_cast<double>(scan_.number - graph_.landmark(slot).last_scan);
-    const double use = static_cast<double>(standing.sightings) / standing.chances - 1e-9 * age +
-                       (standing.sightings > 1 ? 1.0 : 0.0);
-    if (use < worst_use) {
-      worst_use = use;
-      worst = slot;
-    }
-  }
-  return worst;
 }
 
 /// Whether many landmarks have shown that no place of this world looks like another.

@@ -74,9 +74,10 @@ class Atlas {
   /// Forgets everything; the next scan starts a new map, unless frozen.
   void reset() noexcept;
   [[nodiscard]] MapCheck restore(const MapState& state) noexcept;
-  /// Makes landmarks that somebody else surveyed (W, m, on the lattice) the home map. False, and the map is
-  /// empty, when they are more than there is room for.
-  [[nodiscard]] bool take_survey(std::span<const Point2> landmarks_W) noexcept;
+  /// Makes landmarks that somebody else surveyed (W, m, on the lattice) the home map, with a size of each or
+  /// no sizes. False, and the map is empty, when they are more than there is room for.
+  [[nodiscard]] bool take_survey(std::span<const Point2> landmarks_W,
+                                 std::span<const LandmarkSize> sizes = {}) noexcept;
   /// A survey that may grow is a survey no more: what it leaves out may be there.
   void set_frozen(Frozen frozen) noexcept {
     frozen_ = frozen;
@@ -138,6 +139,7 @@ class Atlas {
   [[nodiscard]] bool is_new_spot(const Weighed& weighed) noexcept;
   void learn_from(const Weighed& weighed) noexcept;
   void learn_spread(const Weighed& weighed) noexcept;
+  void learn_sizes() noexcept;
   [[nodiscard]] bool is_sure_in(MapSlot map, SearchEnd end) noexcept;
   void found_home() noexcept;
   void found_home_with(MapSlot map, Fix& fix) noexcept;
@@ -208,9 +210,11 @@ class Atlas {
   bool has_fixed_ = false;          // in the present home map
   BoundedVector<Point2> points_L_;  // of the scan
   BoundedVector<Point2> points_B_;
+  BoundedVector<LandmarkSize> sizes_;
   BoundedVector<SightingGraph::Seen> seen_;
   BoundedVector<Point2> confirmed_;  // of a local map that is to be tied
   BoundedVector<std::uint32_t> confirmed_slots_;
+  BoundedVector<LandmarkSize> confirmed_sizes_;
   BoundedVector<Candidates> found_;  // one
   BoundedVector<Weighed> weighed_;
   BoundedVector<Weighed> weighed_ties_;

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 namespace slamsensor::core {
@@ -66,6 +67,7 @@ void Atlas::extend(const Weighed& w) noexcept {
       continue;
     }
     graph_.landmark(slot).parents = parents;
+    graph_.standing(slot).size = sizes_[i];
     ++entry.landmarks;
     is_saturated = false;
     ++news;
@@ -147,6 +149,7 @@ std::uint32_t Atlas::update_matched(const Weighed& w, std::array<std::uint32_t, 
     Standing& standing = graph_.standing(match.map);
     standing.sightings += standing.sightings < UINT32_MAX / 2 ? 1 : 0;
     standing.chances += standing.chances < UINT32_MAX / 2 ? 1 : 0;
+    standing.size.add(sizes_[match.scan]);
     entry.confirmed += standing.sightings == 2 ? 1 : 0;
     l.misses = 0;
     was_unseen_[match.scan] = l.last_scan + kLoopScans < scan_.number;
@@ -204,6 +207,41 @@ void Atlas::learn_spread(const Weighed& w) noexcept {
   if (rates_.spread_count > kRatesMemory) {
     rates_.spread_m2 *= 0.5;
     rates_.spread_count *= 0.5;
+  }
+}
+
+/// How far a scan's sizes are from those of the place that leads by far without them, whether it is believed
+/// or not: were it the wrong one, sizes would only seem to say less than they do. A size that is not the
+/// landmark's counts no more than kSizeFar sigmas.
+void Atlas::learn_sizes() noexcept {
+  const auto places_alone = [](const Weighed& w) { return w.evidence.ln_bayes - w.evidence.ln_sizes; };
+  const auto* const best =
+      std::max_element(weighed_.begin(), weighed_.end(),
+                       [&](const Weighed& a, const Weighed& b) { return places_alone(a) < places_alone(b); });
+  const bool leads =
+      best != weighed_.end() && places_alone(*best) > kSizeDecades * std::numbers::ln10 &&
+      std::all_of(weighed_.begin(), weighed_.end(), [&](const Weighed& other) {
+        return other.candidate.map != best->candidate.map ||
+               !elsewhere(other.candidate.pose_W, best->candidate.pose_W, config_.acceptance) ||
+               places_alone(other) < places_alone(*best) - kSizeLead * std::numbers::ln10;
+      });
+  if (!leads) {
+    return;
+  }
+  constexpr double kSizeFar = 4.0;
+  const double far2 = kSizeFar * kSizeFar * rates_.size_variance();
+  for (const Match& match : best->candidate.matches) {
+    const LandmarkSize& seen = sizes_[match.scan];
+    const LandmarkSize& known = graph_.standing()[match.map].size;
+    if (seen.is_known() && known.is_known()) {
+      const double off = static_cast<double>(seen.ln_diameter - known.ln_diameter);
+      rates_.size_square += std::min(far2, off * off / (1.0 + 1.0 / static_cast<double>(known.sightings)));
+      rates_.size_count += 1.0;
+    }
+  }
+  if (rates_.size_count > kRatesMemory) {
+    rates_.size_square *= 0.5;
+    rates_.size_count *= 0.5;
   }
 }
 
@@ -296,6 +334,63 @@ void Atlas::look_around(MapSlot map, const Pose2& T_W_B) noexcept {
       }
     }
   }
+}
+
+void Atlas::count_out(std::uint32_t slot) noexcept {
+  MapEntry& entry = maps_[graph_.landmark(slot).map];
+  --entry.landmarks;
+  entry.confirmed -= graph_.standing(slot).sightings >= 2 && entry.confirmed > 0 ? 1 : 0;
+}
+
+/// A full memory loses the least useful landmarks: those of the least local map first, then the least
+/// confirmed of all.
+void Atlas::make_room(std::uint32_t wanted) noexcept {
+  if (graph_.free_landmarks() >= wanted) {
+    return;
+  }
+  MapSlot least = kNoMap;
+  for (MapSlot i = 0; i < kMapsMax; ++i) {
+    if (maps_[i].number != 0 && i != home_ && maps_[i].last_scan != scan_.number &&
+        (least == kNoMap || maps_[i].confirmed < maps_[least].confirmed)) {
+      least = i;
+    }
+  }
+  if (least != kNoMap) {
+    landmarks_evicted_ += maps_[least].landmarks;
+    drop_map(least);
+    return;
+  }
+  for (std::uint32_t dropped = 0; dropped < wanted; ++dropped) {
+    const std::uint32_t worst = least_useful_in_turn();
+    if (worst == SightingGraph::kNone) {
+      return;
+    }
+    count_out(worst);
+    graph_.remove_landmark(worst);
+    ++landmarks_evicted_;
+  }
+}
+
+/// The least useful landmark of a stretch of them; the next call looks at the next stretch. kNone when the
+/// scan shows all that there are.
+std::uint32_t Atlas::least_useful_in_turn() noexcept {
+  std::uint32_t worst = SightingGraph::kNone;
+  double worst_use = std::numeric_limits<double>::infinity();
+  for (std::uint32_t i = 0; i < graph_.slots() && (i < kRoomStretch || worst == SightingGraph::kNone); ++i) {
+    const std::uint32_t slot = room_turn_ = room_turn_ + 1 < graph_.slots() ? room_turn_ + 1 : 0;
+    if (!graph_.is_used(slot) || graph_.landmark(slot).last_scan == scan_.number) {
+      continue;
+    }
+    const Standing& standing = graph_.standing(slot);
+    const double age = static_cast<double>(scan_.number - graph_.landmark(slot).last_scan);
+    const double use = static_cast<double>(standing.sightings) / standing.chances - 1e-9 * age +
+                       (standing.sightings > 1 ? 1.0 : 0.0);
+    if (use < worst_use) {
+      worst_use = use;
+      worst = slot;
+    }
+  }
+  return worst;
 }
 
 }  // namespace slamsensor::core

@@ -27,7 +27,7 @@ void look_about(const Point2& landmark_W, ExploredGround& ground) noexcept {
 
 }  // namespace
 
-bool Atlas::take_survey(std::span<const Point2> landmarks_W) noexcept {
+bool Atlas::take_survey(std::span<const Point2> landmarks_W, std::span<const LandmarkSize> sizes) noexcept {
   reset();
   if (landmarks_W.size() > config_.capacities.map_landmarks) {
     return false;
@@ -35,10 +35,11 @@ bool Atlas::take_survey(std::span<const Point2> landmarks_W) noexcept {
   home_ = 0;
   maps_[0].number = ++maps_made_;
   maps_[0].scans = 2;
-  for (const Point2& p_W : landmarks_W) {
+  for (std::size_t i = 0; i < landmarks_W.size(); ++i) {
+    const Point2& p_W = landmarks_W[i];
     const std::uint32_t slot = graph_.add_landmark(0, p_W, 0, 0);
     SLAMSENSOR_ASSERT(slot != SightingGraph::kNone);
-    graph_.standing(slot) = {kSurveyed, kSurveyedChances};
+    graph_.standing(slot) = {kSurveyed, kSurveyedChances, sizes.empty() ? LandmarkSize{} : sizes[i]};
     graph_.set_prior(slot, kSurveyed);
     graph_.landmark(slot).file_sigma_m = 0.0F;
     ++maps_[0].landmarks;
@@ -59,9 +60,11 @@ void Atlas::probe_structure() noexcept {
     const Point2 middle = graph_.positions()[slot];
     points_B_.clear();
     points_L_.clear();
+    sizes_.clear();
     graph_.index().visit_within(home_, middle, kProbeReach_m, [&](std::uint32_t other, double) {
       if (points_B_.size() < kProbeLandmarks) {
-        SLAMSENSOR_ASSERT(points_B_.try_push_back(graph_.positions()[other] - middle));
+        SLAMSENSOR_ASSERT(points_B_.try_push_back(graph_.positions()[other] - middle) &&
+                          sizes_.try_push_back(graph_.standing(other).size));
       }
     });
     ScanView view;
@@ -126,7 +129,8 @@ MapState Atlas::copy_home(const MapRoom& room) const noexcept {
                              standing.chances,
                              l.first_scan,
                              l.last_scan,
-                             static_cast<float>(landmark_sigma_m(slot))};
+                             static_cast<float>(landmark_sigma_m(slot)),
+                             standing.size};
     // Two numbers share the array until it is sorted: the slot stands where the place will.
     room.positions_W[count] = {static_cast<double>(l.id), static_cast<double>(slot)};
     ++count;
@@ -192,8 +196,8 @@ MapCheck Atlas::restore(const MapState& state) noexcept {
     l.last_scan = from.last_scan;
     l.parents = from.parents;
     const std::uint32_t sightings = state.is_surveyed ? std::max(from.sightings, kSurveyed) : from.sightings;
-    graph_.standing(slot) = {sightings,
-                             std::max(from.chances, state.is_surveyed ? kSurveyedChances : sightings)};
+    graph_.standing(slot) = {
+        sightings, std::max(from.chances, state.is_surveyed ? kSurveyedChances : sightings), from.size};
     graph_.set_prior(slot, sightings);
     l.file_sigma_m = from.sigma_m;
     ++entry.landmarks;

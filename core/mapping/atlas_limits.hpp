@@ -67,7 +67,11 @@ inline constexpr double kTwinGateSigmas =
     3.0;  // nearer to each other than this, landmarks of tied maps are one
 inline constexpr std::uint32_t kSaturated =
     60;  // sightings of each match after which a scan adds nothing to the graph
-inline constexpr double kLearnApart = 0.03;           // of the scan's reach
+inline constexpr double kLearnApart = 0.03;  // of the scan's reach
+// Sizes are learned from a place that leads by its landmarks' places alone: by so many decades at all, and
+// against others of its map.
+inline constexpr double kSizeDecades = 4.0;
+inline constexpr double kSizeLead = 2.0;
 inline constexpr double kRatesMemory = 4'000.0;       // observations after which old ones are forgotten
 inline constexpr std::uint32_t kRefitAround = 16;     // poses
 inline constexpr std::uint32_t kRefitInTurn = 6'000;  // sightings a scan

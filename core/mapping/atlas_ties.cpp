@@ -67,10 +67,13 @@ void Atlas::try_tie(MapSlot map, const Deadline& deadline) noexcept {
   }
   confirmed_.clear();
   confirmed_slots_.clear();
+  confirmed_sizes_.clear();
   const double reach_m = std::max(scan_.reach_m, 30.0);
   graph_.index().visit_within(map, entry.last_pose.translation(), reach_m, [&](std::uint32_t slot, double) {
-    if (graph_.standing(slot).sightings >= 2 && confirmed_.try_push_back(graph_.positions()[slot])) {
-      SLAMSENSOR_ASSERT(confirmed_slots_.try_push_back(slot));
+    const Standing& standing = graph_.standing(slot);
+    if (standing.sightings >= 2 && confirmed_.try_push_back(graph_.positions()[slot])) {
+      SLAMSENSOR_ASSERT(confirmed_slots_.try_push_back(slot) &&
+                        confirmed_sizes_.try_push_back(standing.size));
     }
   });
   if (confirmed_.size() < kTieLandmarksMin) {
@@ -87,6 +90,7 @@ void Atlas::try_tie(MapSlot map, const Deadline& deadline) noexcept {
   find(confirmed_.span(), map, model, deadline);
   Witnesses witnesses;
   witnesses.points_B = confirmed_.span();
+  witnesses.sizes = confirmed_sizes_.span();
   witnesses.own_map = map;
   witnesses.sensor_reach_m = known_reach_m();
   witnesses.sigma_share = kMeanSigmaShare;

@@ -6,6 +6,7 @@
 #include "core/geometry/pose2.hpp"
 #include "core/graph/delaunay.hpp"
 #include "core/graph/landmark_graph.hpp"
+#include "core/landmark_size.hpp"
 #include "core/memory/arena.hpp"
 #include "core/memory/bounded_vector.hpp"
 
@@ -31,6 +32,7 @@ struct MapLandmark {
   std::uint32_t last_scan = 0;
   float sigma_m =
       0.0F;  ///< 1 sigma of its place in the map's frame, along each axis; 0: not known, or surveyed
+  LandmarkSize size{};
 };
 
 /// Index of the landmark with `id` among `landmarks`, which are sorted by id; none when it is not there.

@@ -66,6 +66,9 @@ MapFlaw flaw_of_landmark(const MapState& state, std::size_t i) noexcept {
   if (!(landmark.sigma_m >= 0.0F) || !std::isfinite(landmark.sigma_m)) {
     return MapFlaw::Sigma;
   }
+  if (!landmark.size.is_possible()) {
+    return MapFlaw::Size;
+  }
   if (landmark.first_scan > landmark.last_scan || landmark.last_scan >= state.scans) {
     return MapFlaw::LandmarkScans;
   }

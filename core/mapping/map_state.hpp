@@ -61,6 +61,7 @@ enum class MapFlaw : std::uint8_t {
   ParentXi,          ///< a parent does not stand nearer to the origin than its child
   Sightings,         ///< a landmark without a sighting or a chance
   Sigma,             ///< a landmark's sigma is negative or no number
+  Size,              ///< no sightings can have measured a landmark's size
   LandmarkScans,     ///< last seen before it was first seen, or in a scan that is still to come
   PathOrder,         ///< a pose's scan is not later than the one before, or is still to come
   PathPose,          ///< a pose is not a number

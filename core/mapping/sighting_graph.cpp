@@ -460,6 +460,7 @@ void SightingGraph::unite(std::uint32_t gone_slot, std::uint32_t kept_slot) noex
   kept.misses = std::min(kept.misses, gone.misses);
   standing_[kept_slot].sightings += standing_[gone_slot].sightings;
   standing_[kept_slot].chances += standing_[gone_slot].chances;
+  standing_[kept_slot].size.add(standing_[gone_slot].size);
   remove_landmark(gone_slot);
   place(kept_slot);
 }

@@ -165,6 +165,9 @@ constexpr std::array kVerbs = {
                 [](const Request&, Context& c) -> ControlOutcome { return c.maps.list(); }},
     ControlVerb{"map info", "", parse_nothing, "the map in use",
                 [](const Request&, Context& c) -> ControlOutcome { return c.maps.info(); }},
+    ControlVerb{"map landmarks", "", parse_nothing,
+                "the landmarks of the map in use: id, place, sigma, diameter",
+                [](const Request&, Context& c) -> ControlOutcome { return c.maps.landmarks(); }},
     ControlVerb{
         "map save", "[NAME]", parse_optional_name, "save the map, under another name if given",
         [](const Request& r, Context& c) -> ControlOutcome { return c.maps.save(r.name, time_now()); }},

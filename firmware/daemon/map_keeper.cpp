@@ -3,6 +3,8 @@
 #include "firmware/store/map_file.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <utility>
 
 namespace slamsensor::firmware {
@@ -326,6 +328,24 @@ ControlResult MapKeeper::info() {
     reply.lines.push_back("saved: " + utc_text(about_.saved_utc_s) + ", " + std::to_string(about_.saves) +
                           " times since " + utc_text(about_.created_utc_s));
   }
+  return reply;
+}
+
+ControlResult MapKeeper::landmarks() {
+  ControlReply reply;
+  reply.lines.emplace_back("id x_m y_m sigma_m diameter_m");
+  threads_.map().read([&](const MapSnapshot& map) {
+    const core::MapState& state = map.state();
+    const std::size_t count = map.revision() >= valid_from_ ? state.landmarks.size() : 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const core::MapLandmark& landmark = state.landmarks[i];
+      const core::Point2& place_W = state.positions_W[i];
+      std::array<char, 128> line{};
+      std::snprintf(line.data(), line.size(), "%u %.3f %.3f %.3f %.3f", landmark.id, place_W.x(), place_W.y(),
+                    static_cast<double>(landmark.sigma_m), landmark.size.diameter_m());
+      reply.lines.emplace_back(line.data());
+    }
+  });
   return reply;
 }
 

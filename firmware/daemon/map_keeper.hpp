@@ -52,6 +52,8 @@ class MapKeeper {
   // Requests of the control socket. An empty name is that of the map in use.
   [[nodiscard]] ControlResult list();
   [[nodiscard]] ControlResult info();
+  /// The landmarks of the map in use, a line of its names first.
+  [[nodiscard]] ControlResult landmarks();
   [[nodiscard]] ControlResult save(std::string_view name, const OutputTime& now);
   [[nodiscard]] ControlResult remove(std::string_view name);
   [[nodiscard]] ControlOutcome load(ControlToken token, std::string_view name);

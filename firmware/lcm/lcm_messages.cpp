@@ -189,6 +189,7 @@ std::size_t encode_scan_chunk(const LcmScanView& scan, std::uint32_t chunk,
     message.x_m[i] = landmark.position_L.x();
     message.y_m[i] = landmark.position_L.y();
     message.weight[i] = landmark.weight;
+    message.diameter_m[i] = landmark.diameter_m;
   }
   return encode_lcm(message, out);
 }
@@ -243,6 +244,7 @@ std::size_t encode_map_chunk(const LcmMapView& map, std::uint32_t chunk,
     message.x_m[i] = map.positions_W[first + i].x();
     message.y_m[i] = map.positions_W[first + i].y();
     message.sigma_m[i] = static_cast<double>(landmark.sigma_m);
+    message.diameter_m[i] = landmark.size.diameter_m();
     message.xi[i] = clamped(landmark.xi);
     message.sightings[i] = clamped(landmark.sightings);
     message.last_scan[i] = clamped(landmark.last_scan);

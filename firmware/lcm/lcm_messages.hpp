@@ -115,7 +115,7 @@ struct BotCorePose {
 [[nodiscard]] core::Fix fix_of(const PoseMessage& message) noexcept;
 
 /// Landmarks in one slamsensor.scan_t.
-inline constexpr std::size_t kScanChunkLandmarks = 50;
+inline constexpr std::size_t kScanChunkLandmarks = 40;
 
 /// slamsensor.scan_t (types/slamsensor_scan_t.lcm): a share of the landmarks of one scan, in the sensor
 /// frame. All of them, in the order of the chunks, are what core::Slam::process was given.
@@ -134,6 +134,7 @@ struct ScanMessage {
   std::array<double, kScanChunkLandmarks> x_m{};
   std::array<double, kScanChunkLandmarks> y_m{};
   std::array<double, kScanChunkLandmarks> weight{};
+  std::array<double, kScanChunkLandmarks> diameter_m{};
 
   static constexpr void members(auto& m, auto&& visit) {
     visit("utime", m.utime);
@@ -150,6 +151,7 @@ struct ScanMessage {
     visit("x_m", m.x_m);
     visit("y_m", m.y_m);
     visit("weight", m.weight);
+    visit("diameter_m", m.diameter_m);
   }
 };
 
@@ -216,7 +218,7 @@ struct LcmRivalsView {
 [[nodiscard]] std::size_t encode_rivals(const LcmRivalsView& view, std::span<std::uint8_t> out) noexcept;
 
 /// Landmarks in one slamsensor.map_t.
-inline constexpr std::size_t kMapChunkLandmarks = 30;
+inline constexpr std::size_t kMapChunkLandmarks = 25;
 
 /// slamsensor.map_t (types/slamsensor_map_t.lcm): a share of the landmarks of the map, in the map frame.
 /// Chunks of one `initialization` and `revision` belong together.
@@ -232,6 +234,7 @@ struct MapMessage {
   std::array<double, kMapChunkLandmarks> x_m{};
   std::array<double, kMapChunkLandmarks> y_m{};
   std::array<double, kMapChunkLandmarks> sigma_m{};
+  std::array<double, kMapChunkLandmarks> diameter_m{};
   std::array<std::int32_t, kMapChunkLandmarks> xi{};
   std::array<std::int32_t, kMapChunkLandmarks> sightings{};
   std::array<std::int32_t, kMapChunkLandmarks> last_scan{};
@@ -248,6 +251,7 @@ struct MapMessage {
     visit("x_m", m.x_m);
     visit("y_m", m.y_m);
     visit("sigma_m", m.sigma_m);
+    visit("diameter_m", m.diameter_m);
     visit("xi", m.xi);
     visit("sightings", m.sightings);
     visit("last_scan", m.last_scan);

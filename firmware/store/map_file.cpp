@@ -101,6 +101,10 @@ void read_landmarks(const MapFrameSection& section, MapFile& map) {
     map.positions_W[i].x() = in.take_double();
     map.positions_W[i].y() = in.take_double();
     landmark.sigma_m = std::bit_cast<float>(in.take<std::uint32_t>());
+    if (section.record_bytes >= record_bytes_of(MapSection::Landmarks)) {
+      landmark.size.ln_diameter = std::bit_cast<float>(in.take<std::uint32_t>());
+      landmark.size.sightings = std::bit_cast<float>(in.take<std::uint32_t>());
+    }
   }
 }
 
@@ -120,6 +124,9 @@ void read_rates(const MapFrameSection& section, MapFile& map) {
   if (section.records != 0) {
     ByteReader in(section.payload);
     core::Rates::visit_numbers(map.numbers.rates.emplace(), [&](auto& number) {
+      if (in.left() == 0) {
+        return;  // an older version: it stays as it starts
+      }
       if constexpr (std::is_same_v<decltype(number), float&>) {
         number = std::bit_cast<float>(in.take<std::uint32_t>());
       } else {
@@ -223,6 +230,8 @@ void put_landmark(const core::MapLandmark& landmark, const core::Point2& positio
   out.put(position_W.x());
   out.put(position_W.y());
   out.put(std::bit_cast<std::uint32_t>(landmark.sigma_m));
+  out.put(std::bit_cast<std::uint32_t>(landmark.size.ln_diameter));
+  out.put(std::bit_cast<std::uint32_t>(landmark.size.sightings));
 }
 
 void put_pose(const core::PathPose& pose, ByteWriter& out) {
@@ -303,6 +312,8 @@ const char* detail_of(MapFlaw flaw) {
       return "it was never seen";
     case MapFlaw::Sigma:
       return "its sigma is not a length";
+    case MapFlaw::Size:
+      return "its diameter is none that can be measured";
     case MapFlaw::LandmarkScans:
       return "it was last seen before it was first seen, or in a scan that is still to come";
     case MapFlaw::PathOrder:
@@ -456,7 +467,7 @@ Outcome check_magic(FileBytes file) {
                                          " and is not a map of slamsensor; name a .slammap file");
 }
 
-/// The number of sections, when prefix and size are sound and the version is known.
+/// The version, when prefix and size are sound and it is known.
 tl::expected<std::uint32_t, MapFileError> check_prefix(FileBytes file) {
   if (const Outcome magic = check_magic(file); !magic) {
     return tl::unexpected(magic.error());
@@ -488,12 +499,12 @@ tl::expected<std::uint32_t, MapFileError> check_prefix(FileBytes file) {
   if (size != file.size()) {
     return damaged(16, "it claims " + std::to_string(size) + " bytes and has " + std::to_string(file.size()));
   }
-  return sections;
+  return version;
 }
 
 /// The section at `begin`, when its head and checksum are sound.
-tl::expected<MapFrameSection, MapFileError> read_section(FileBytes file, std::size_t begin,
-                                                         MapSection wanted) {
+tl::expected<MapFrameSection, MapFileError> read_section(FileBytes file, std::size_t begin, MapSection wanted,
+                                                         std::uint32_t version) {
   const std::string name(kMapSectionTags[static_cast<std::size_t>(wanted)]);
   const FileBytes rest = file.subspan(begin);
   if (rest.size() < kSectionHeadBytes) {
@@ -508,7 +519,7 @@ tl::expected<MapFrameSection, MapFileError> read_section(FileBytes file, std::si
   section.record_bytes = in.take<std::uint32_t>();
   const auto told = in.take<std::uint32_t>();
   section.begin = begin + kSectionHeadBytes;
-  const std::uint32_t fixed = record_bytes_of(wanted);
+  const std::uint32_t fixed = record_bytes_of(wanted, version);
   if (section.records > records_max_of(wanted) ||
       (fixed != 0 ? section.record_bytes != fixed : section.records != 1)) {
     return damaged(begin + 4, "section " + name + ": " + std::to_string(section.records) + " records of " +
@@ -534,14 +545,14 @@ tl::unexpected<MapFileError> damaged(std::size_t byte, const std::string& what) 
 }
 
 tl::expected<MapFrame, MapFileError> read_frame(FileBytes bytes) {
-  const auto sections = check_prefix(bytes);
-  if (!sections) {
-    return tl::unexpected(sections.error());
+  const auto version = check_prefix(bytes);
+  if (!version) {
+    return tl::unexpected(version.error());
   }
   MapFrame frame;
   std::size_t begin = kMapPrefixBytes;
-  for (std::uint32_t s = 0; s < *sections; ++s) {
-    auto section = read_section(bytes, begin, static_cast<MapSection>(s));
+  for (std::uint32_t s = 0; s < sections_of(*version); ++s) {
+    auto section = read_section(bytes, begin, static_cast<MapSection>(s), *version);
     if (!section) {
       return tl::unexpected(std::move(section.error()));
     }

@@ -106,16 +106,18 @@ struct MapFileError {
 ///                    depth u32, landmarks_max u32, flags u8 (1 it has a datum, 2 it is marked frozen, 4 it
 ///                    is a survey, which is frozen too), the datum if it has one (latitude, longitude deg,
 ///                    height m, bearing deg f64), name (length u16, characters)
-/// LAND (a landmark)  id, xi, parents (3), sightings, chances, first and last scan u32, x, y f64, sigma f32
+/// LAND (a landmark)  id, xi, parents (3), sightings, chances, first and last scan u32, x, y f64, sigma f32,
+///                    size: ln diameter, sightings f32 (not before version 5)
 /// PATH (a pose)      scan u32, xi u32, x, y, heading f64
 /// RATE (none or one) what was learned with the map: the numbers of core::Rates in the order of
-///                    visit_numbers, each as it is there, f64 or f32. Version 3, which is read, too, has no
-///                    such section.
+///                    visit_numbers, each as it is there, f64 or f32; before version 5 without the last two.
+///                    Version 3 has no such section.
 ///
 /// The magic begins with a byte that no text begins with and shows a transfer in text mode, as PNG's does.
 inline constexpr std::array<std::uint8_t, 8> kMapMagic{0x89, 'S', 'L', 'M', '\r', '\n', 0x1A, '\n'};
-inline constexpr std::uint32_t kMapVersion = 4;
-inline constexpr std::uint32_t kMapVersionOldest = 3;
+inline constexpr std::uint32_t kMapVersion = 5;
+inline constexpr std::uint32_t kMapVersionOldest = 3;  ///< that is read
+inline constexpr std::uint32_t kMapVersionSizes = 5;   ///< the first with sizes of landmarks
 inline constexpr std::size_t kMapPrefixBytes = 28;
 inline constexpr std::size_t kSectionHeadBytes = 16;
 
@@ -140,14 +142,16 @@ inline constexpr std::array<std::string_view, 4> kMapSectionTags{"INFO", "LAND",
 }
 
 /// Bytes of a record; 0: it says so itself.
-[[nodiscard]] constexpr std::uint32_t record_bytes_of(MapSection section) noexcept {
+[[nodiscard]] constexpr std::uint32_t record_bytes_of(MapSection section,
+                                                      std::uint32_t version = kMapVersion) noexcept {
+  const bool has_sizes = version >= kMapVersionSizes;
   switch (section) {
     case MapSection::Landmarks:
-      return 56;
+      return has_sizes ? 64 : 56;
     case MapSection::Path:
       return 32;
     case MapSection::Rates:
-      return 8 * core::Rates::kDoubles + 4 * core::Rates::kFloats;
+      return 8 * (core::Rates::kDoubles - (has_sizes ? 0 : 2)) + 4 * core::Rates::kFloats;
     case MapSection::Info:
       break;
   }

@@ -226,7 +226,7 @@ class Cli(unittest.TestCase):
         code, _, errors = run("replay", "--config", CONFIG / "experiment-3.toml", "--landmarks", listed, "--out", self.out, scans)
         self.assertEqual(code, OK, errors)
         found = listed.read_text().splitlines()
-        self.assertEqual(found[0], "scan,x_m,y_m,weight")
+        self.assertEqual(found[0], "scan,x_m,y_m,diameter_m,weight")
         self.assertEqual({line.split(",")[0] for line in found[1:]}, {"1", "2", "3", "4"})
         code, output, errors = run("replay", "--config", CONFIG / "experiment-3.toml", "--out", self.folder / "again", listed)
         self.assertEqual(code, OK, errors)

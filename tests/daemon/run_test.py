@@ -85,7 +85,7 @@ class Running(unittest.TestCase):
         lines, _ = self.ask("help")
         words = {line.split("  ")[0].split("[")[0].strip() for line in lines}
         for request in ("status", "fix", "counters", "devices", "version", "scan now", "map list", "map info",
-                        "record status", "config list", "datum show"):
+                        "map landmarks", "record status", "config list", "datum show"):
             self.assertTrue(any(word == request for word in words), request)
             self.ask(request)
         self.refused("fly", "unknown")
@@ -134,6 +134,12 @@ class Running(unittest.TestCase):
         self.refused("map load nowhere", "not_found", "nowhere")
         self.assertIn("shed", self.ask("map load shed")[1])
         self.assertIn("name: shed", self.ask("map info")[0])
+        names, *landmarks = [line.split() for line in self.ask("map landmarks")[0]]
+        self.assertEqual(names, ["id", "x_m", "y_m", "sigma_m", "diameter_m"])
+        self.assertGreaterEqual(len(landmarks), 3)
+        measured = [float(landmark[4]) for landmark in landmarks if float(landmark[4]) > 0]
+        self.assertGreaterEqual(len(measured), 3)
+        self.assertTrue(all(0.02 < diameter < 3 for diameter in measured), measured)
         self.refused("map remove shed", "refused", "in use")
         self.sensor.wait_scans()
         self.sensor.wait_fix()

@@ -19,6 +19,10 @@ import plan_path  # noqa: E402
 WISHES = argparse.Namespace(landmark_radius=0.4, carrier_radius=0.5)
 
 
+def discs(points, radius):
+    return [(x, y, radius) for x, y in points]
+
+
 def clearance(way, points):
     def to_line(p, a, b):
         length = math.dist(a, b)
@@ -29,11 +33,11 @@ def clearance(way, points):
 
 class Plan(unittest.TestCase):
     def test_without_landmarks_the_way_is_straight(self):
-        self.assertEqual(plan_path.plan((0, 0), (7.3, -4.1), [], 1.0), [(0, 0), (7.3, -4.1)])
+        self.assertEqual(plan_path.plan((0, 0), (7.3, -4.1), []), [(0, 0), (7.3, -4.1)])
 
     def test_a_wall_is_gone_around(self):
         wall = [(5.0, 0.8 * y) for y in range(-12, 13)]
-        way = plan_path.plan((0, 0), (10, 0), wall, 0.9)
+        way = plan_path.plan((0, 0), (10, 0), discs(wall, 0.9))
         self.assertGreater(clearance(way, wall), 0.9)
         self.assertGreater(sum(math.dist(a, b) for a, b in zip(way, way[1:])), 20.0)
         self.assertLess(len(way), 12, "corners are cut")
@@ -43,7 +47,7 @@ class Plan(unittest.TestCase):
             draw = random.Random(seed)
             trees = [(draw.uniform(-40, 40), draw.uniform(-40, 40)) for _ in range(150)]
             goal = (35.0, draw.uniform(-35, 35))
-            way = plan_path.plan((-35.0, 0.0), goal, trees, 1.2)
+            way = plan_path.plan((-35.0, 0.0), goal, discs(trees, 1.2))
             if isinstance(way, str):
                 self.assertIn("too near", way)
                 continue
@@ -53,11 +57,17 @@ class Plan(unittest.TestCase):
 
     def test_goals_that_cannot_be_reached_are_told(self):
         ring = [(20 + 3 * math.cos(a / 4), 3 * math.sin(a / 4)) for a in range(26)]
-        self.assertIn("all around", plan_path.plan((0, 0), (20, 0), ring, 0.6))
-        self.assertIn("too near", plan_path.plan((0, 0), (20, 3), ring, 0.6))
+        self.assertIn("all around", plan_path.plan((0, 0), (20, 0), discs(ring, 0.6)))
+        self.assertIn("too near", plan_path.plan((0, 0), (20, 3), discs(ring, 0.6)))
 
     def test_a_landmark_that_is_touched_does_not_keep_the_carrier(self):
-        self.assertEqual(plan_path.plan((0, 0), (9, 0), [(-0.3, 0)], 1.0), [(0, 0), (9, 0)])
+        self.assertEqual(plan_path.plan((0, 0), (9, 0), [(-0.3, 0, 1.0)]), [(0, 0), (9, 0)])
+
+    def test_each_landmark_has_its_own_radius(self):
+        way = plan_path.plan((0, 0), (20, 0), [(6, 0.5, 3.0), (14, -0.5, 0.6)])
+        self.assertGreater(clearance(way, [(6, 0.5)]), 3.0)
+        self.assertGreater(clearance(way, [(14, -0.5)]), 0.6)
+        self.assertLess(clearance(way, [(14, -0.5)]), 3.0)
 
 
 class Listening(unittest.TestCase):
@@ -74,7 +84,8 @@ class Listening(unittest.TestCase):
         self.assertFalse(sensor.whole)
         sensor = self.heard(*maps, drive.pose_message(1, (1, 2, 0.5)))
         self.assertTrue(sensor.whole)
-        self.assertEqual([tuple(p) for p in sensor.landmarks()], points)
+        self.assertEqual([(x, y) for x, y, _ in sensor.landmarks()], points)
+        self.assertEqual([d for _, _, d in sensor.landmarks()][:6], [0.0, 0.25, 0.5, 0.75, 1.0, 0.0])
         self.assertAlmostEqual(sensor.sigma_m, 0.311 / 3, places=3)
         self.assertIn("from 1.00 2.00 28.6 to 9.00 9.00: ", plan_path.told(sensor, (9.0, 9.0), WISHES))
         for status, reason, word in ((0, 2, "no_overlap"), (1, 3, "symmetric"), (0, 10, "local_map")):
@@ -106,7 +117,7 @@ class Listening(unittest.TestCase):
             thread.join()
             process.kill()
         self.assertEqual(process.returncode, 0)
-        self.assertRegex(output, r"^from 0\.00 0\.00 0\.0 to 9\.00 9\.00: 1[23]\.\d\d m, 1\.21 m clear: 0\.00,0\.00 .* 9\.00,9\.00\n$")
+        self.assertRegex(output, r"^from 0\.00 0\.00 0\.0 to 9\.00 9\.00: 1[23]\.\d\d m, 0\.81 m clear: 0\.00,0\.00 .* 9\.00,9\.00\n$")
 
 
 class Mistakes(unittest.TestCase):

@@ -23,14 +23,20 @@ def sigma_of(i):
     return 0.0 if i % 5 == 0 else 0.05 * (1 + i % 7)
 
 
+def diameter_of(i):
+    """Of every fifth landmark nothing is known."""
+    return i % 5 * 0.25
+
+
 def map_messages(points, revision=1):
-    per = 30
+    per = 25
     chunks = max(1, -(-len(points) // per))
     for chunk in range(chunks):
         part = range(chunk * per, min(len(points), (chunk + 1) * per))
         yield "SLAMSENSOR_MAP", lcm_types.encode(
             "map_t", initialization=7, revision=revision, landmarks=len(points), chunk=chunk, chunks=chunks,
             count=len(part), id=list(part), x_m=[points[i][0] for i in part], y_m=[points[i][1] for i in part], sigma_m=[sigma_of(i) for i in part],
+            diameter_m=[diameter_of(i) for i in part],
             xi=[xi_of(i) for i in part], sightings=[3 + i % 5 for i in part])
 
 
@@ -55,7 +61,7 @@ def scan_message(scan, pose, points, range_m=25.0):
         dx, dy = px - x, py - y
         if math.hypot(dx, dy) < range_m:
             seen.append((dx * math.cos(heading) + dy * math.sin(heading), -dx * math.sin(heading) + dy * math.cos(heading)))
-    seen = seen[:50]
+    seen = seen[:40]
     return "SLAMSENSOR_SCAN", lcm_types.encode("scan_t", initialization=7, scan=scan, landmarks=len(seen), chunk=0,
                                                chunks=1, count=len(seen), x_m=[p[0] for p in seen],
                                                y_m=[p[1] for p in seen], weight=[1.0] * len(seen))

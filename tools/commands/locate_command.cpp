@@ -113,6 +113,7 @@ bool print_not_read(std::span<const NotRead> not_read) {
 /// The map that is given: a survey, which leaves nothing out, or what a sensor has made of its scans.
 struct GivenMap {
   std::vector<core::Point2> survey_W;
+  std::vector<core::LandmarkSize> sizes;  ///< of each
   std::optional<firmware::MapFile> made;
 
   [[nodiscard]] std::size_t landmarks() const { return made ? made->landmarks.size() : survey_W.size(); }
@@ -138,6 +139,7 @@ firmware::MapFile made_of(const std::vector<MapPoint>& points) {
     core::MapLandmark landmark;
     landmark.id = static_cast<std::uint32_t>(made.landmarks.size());
     landmark.sightings = landmark.chances = *point.sightings;
+    landmark.size = core::LandmarkSize::seen(point.diameter_m);
     made.landmarks.push_back(landmark);
     made.positions_W.push_back(point.position_W);
   }
@@ -167,13 +169,15 @@ tl::expected<GivenMap, CommandError> read_given_map(const std::filesystem::path&
   }
   std::transform(points->begin(), points->end(), std::back_inserter(given.survey_W),
                  [](const MapPoint& p) { return p.position_W; });
+  std::transform(points->begin(), points->end(), std::back_inserter(given.sizes),
+                 [](const MapPoint& p) { return core::LandmarkSize::seen(p.diameter_m); });
   return given;
 }
 
 tl::expected<void, CommandError> give(const GivenMap& map, const core::Config& config,
                                       const std::filesystem::path& path, LocalizerBlock& localizer) {
   if (!map.made) {
-    return localizer->set_map(map.survey_W)
+    return localizer->set_map(map.survey_W, map.sizes)
                ? tl::expected<void, CommandError>()
                : tl::unexpected(CommandError{path.string() + ": a landmark is out of reach\n", EX_DATAERR});
   }

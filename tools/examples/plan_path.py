@@ -10,8 +10,8 @@ Listens for SLAMSENSOR_POSE and SLAMSENSOR_MAP, and plans again at each fix. A l
   from X Y HEADING to X Y: LENGTH m, CLEARANCE m clear: X,Y X,Y ...
 
 or why there is none. A pose without a fix is not driven from: the line says the reason, and a carrier should stand still,
-for the sensor needs it to while it scans. Each landmark is a disc: its own radius, which the sensor does not know, the
-carrier's, and three sigma of the fix relative to the landmarks about it. What is no landmark (a ditch, a fence) is
+for the sensor needs it to while it scans. Each landmark is a disc: its own radius, where the sensor has measured one, else
+--landmark-radius, the carrier's, and three sigma of the fix relative to the landmarks about it. What is no landmark (a ditch, a fence) is
 not in the map: a planner that drives needs sensors for that.
 
 The way is that of A* on a grid, with its corners cut as far as nothing is in the way."""
@@ -27,7 +27,7 @@ from urllib.parse import urlsplit
 
 # slamsensor.pose_t and slamsensor.map_t as the .lcm files have them, behind the fingerprints that tell the types.
 POSE, POSE_FINGERPRINT = struct.Struct(">Q 10q 4b 3d 9d 4q d 3q 2q d 9d"), 0xDF2A5E439E4A5851
-MAP, MAP_FINGERPRINT = struct.Struct(">Q 3q 4i 30q 30d 30d 30d 30i 30i 30i"), 0x65B5CC0FADE030BB
+MAP, MAP_FINGERPRINT = struct.Struct(">Q 3q 4i 25q 25d 25d 25d 25d 25i 25i 25i"), 0xD1E81E90487C9F6A
 STATUS = ("no_fix", "ambiguous", "fix")
 REASON = ("none", "too_few_landmarks", "no_overlap", "symmetric", "deadline", "stale", "device", "moved", "timing", "copy",
           "local_map", "no_scan")
@@ -37,46 +37,46 @@ MARGIN_M = 15.0      # how far a way may lead around the outermost landmark
 
 
 class Obstacles:
-    """Discs of one radius, found by place."""
+    """Discs (x, y, radius), found by place."""
 
-    def __init__(self, points, radius_m):
-        self.radius_m = radius_m
+    def __init__(self, discs):
+        self.cell_m = max([1.0] + [2 * disc[2] for disc in discs])
         self.cells = {}
-        for x, y in points:
-            self.cells.setdefault(self.cell(x, y), []).append((x, y))
+        for disc in discs:
+            self.cells.setdefault(self.cell(*disc[:2]), []).append(disc)
 
     def cell(self, x, y):
-        return math.floor(x / (2 * self.radius_m)), math.floor(y / (2 * self.radius_m))
+        return math.floor(x / self.cell_m), math.floor(y / self.cell_m)
 
     def near(self, x0, y0, x1, y1):
-        """The points whose discs may touch the box."""
+        """The discs that may touch the box."""
         (a0, b0), (a1, b1) = self.cell(min(x0, x1), min(y0, y1)), self.cell(max(x0, x1), max(y0, y1))
         for a in range(a0 - 1, a1 + 2):
             for b in range(b0 - 1, b1 + 2):
                 yield from self.cells.get((a, b), ())
 
     def distance(self, x0, y0, x1, y1):
-        """From the line to the nearest point near it."""
+        """From the line to the edge of the nearest disc near it; negative within."""
         length = math.hypot(x1 - x0, y1 - y0)
         best = math.inf
-        for px, py in self.near(x0, y0, x1, y1):
+        for px, py, radius in self.near(x0, y0, x1, y1):
             along = 0.0 if length == 0 else max(0.0, min(1.0, ((px - x0) * (x1 - x0) + (py - y0) * (y1 - y0)) / length ** 2))
-            best = min(best, math.hypot(x0 + along * (x1 - x0) - px, y0 + along * (y1 - y0) - py))
+            best = min(best, math.hypot(x0 + along * (x1 - x0) - px, y0 + along * (y1 - y0) - py) - radius)
         return best
 
     def is_free(self, *line):
-        return self.distance(*line) > self.radius_m
+        return self.distance(*line) > 0.0
 
 
-def plan(start, goal, points, radius_m):
-    """Corners of a way from `start` to `goal`, both included, that stays farther than `radius_m` from each of `points`;
-    a text that says why, when there is none."""
+def plan(start, goal, discs):
+    """Corners of a way from `start` to `goal`, both included, that stays out of the discs (x, y, radius); a text that says
+    why, when there is none."""
     # The carrier stands where it stands: a landmark that it touches already does not keep it from leaving.
-    points = [p for p in points if math.hypot(p[0] - start[0], p[1] - start[1]) > radius_m]
-    obstacles = Obstacles(points, radius_m)
+    discs = [d for d in discs if math.hypot(d[0] - start[0], d[1] - start[1]) > d[2]]
+    obstacles = Obstacles(discs)
     if not obstacles.is_free(*goal, *goal):
         return "the goal is too near to a landmark"
-    xs, ys = [p[0] for p in points] + [start[0], goal[0]], [p[1] for p in points] + [start[1], goal[1]]
+    xs, ys = [d[0] for d in discs] + [start[0], goal[0]], [d[1] for d in discs] + [start[1], goal[1]]
     box = (min(xs) - MARGIN_M, min(ys) - MARGIN_M, max(xs) + MARGIN_M, max(ys) + MARGIN_M)
     way = a_star(start, goal, obstacles, box)
     return way if isinstance(way, str) else cut_corners(way, obstacles)
@@ -153,12 +153,13 @@ class Sensor:
             of, chunk, chunks, count = fields[2:4], fields[5], fields[6], fields[7]
             if of != self.of:
                 self.of, self.chunks, self.whole = of, {}, False
-            self.chunks[chunk] = list(zip(fields[38:38 + count], fields[68:68 + count]))
+            self.chunks[chunk] = list(zip(fields[33:33 + count], fields[58:58 + count], fields[108:108 + count]))
             self.whole = len(self.chunks) == chunks
         return False
 
     def landmarks(self):
-        return [point for chunk in self.chunks.values() for point in chunk]
+        """(x, y, diameter or 0)"""
+        return [landmark for chunk in self.chunks.values() for landmark in chunk]
 
 
 def messages(group, port):
@@ -181,12 +182,13 @@ def told(sensor, goal, arguments):
         return f"no fix ({sensor.reason}): stand still and wait"
     x, y, heading = sensor.start
     begin = f"from {x:.2f} {y:.2f} {math.degrees(heading) % 360:.1f} to {goal[0]:.2f} {goal[1]:.2f}: "
-    radius_m = arguments.landmark_radius + arguments.carrier_radius + 3.0 * sensor.sigma_m
-    way = plan((x, y), goal, sensor.landmarks(), radius_m)
+    apart_m = arguments.carrier_radius + 3.0 * sensor.sigma_m
+    discs = [(x_m, y_m, (diameter_m / 2 or arguments.landmark_radius) + apart_m) for x_m, y_m, diameter_m in sensor.landmarks()]
+    way = plan((x, y), goal, discs)
     if isinstance(way, str):
         return begin + way
     length = sum(math.dist(a, b) for a, b in zip(way, way[1:]))
-    return begin + f"{length:.2f} m, {radius_m:.2f} m clear: " + " ".join(f"{a:.2f},{b:.2f}" for a, b in way)
+    return begin + f"{length:.2f} m, {apart_m:.2f} m clear: " + " ".join(f"{a:.2f},{b:.2f}" for a, b in way)
 
 
 def finite(text):
@@ -218,7 +220,7 @@ def main():
     parser.add_argument("x", type=finite, help="of the goal in the home map, m")
     parser.add_argument("y", type=finite)
     parser.add_argument("--url", default="udpm://239.255.76.67:7667", metavar="udpm://GROUP:PORT", help="the LCM network")
-    parser.add_argument("--landmark-radius", type=radius, default=0.4, help="of each landmark, m")
+    parser.add_argument("--landmark-radius", type=radius, default=0.4, help="of a landmark without a measured one, m")
     parser.add_argument("--carrier-radius", type=radius, default=0.5, help="of the circle around the carrier, m")
     parser.add_argument("--once", action="store_true", help="end after the first plan from a fix in a whole map")
     arguments = parser.parse_args()

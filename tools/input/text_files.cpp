@@ -115,7 +115,7 @@ ListScan heaviest_first(std::span<const LandmarkRow> rows, const firmware::Landm
   for (const LandmarkRow& row : rows) {
     if (row.position_L.norm() <= detection.range_max_m && row.weight >= config.weight_min &&
         row.diameter_m >= config.diameter_min_m) {
-      scan.landmarks.push_back({row.position_L, weight_of(row, config.order)});
+      scan.landmarks.push_back({row.position_L, weight_of(row, config.order), row.diameter_m});
     }
   }
   std::stable_sort(
@@ -335,8 +335,9 @@ tl::expected<ReadingsScan, InputError> parse_readings_csv(std::string_view text,
 
 namespace {
 
-enum MapColumn : std::size_t { kMapId, kMapX, kMapY, kMapSightings };
-constexpr std::array<CsvColumn, 4> kMapColumns{{{"id"}, {"x_m"}, {"y_m"}, {"sightings", CsvNeed::Optional}}};
+enum MapColumn : std::size_t { kMapId, kMapX, kMapY, kMapSightings, kMapDiameter };
+constexpr std::array<CsvColumn, 5> kMapColumns{
+    {{"id"}, {"x_m"}, {"y_m"}, {"sightings", CsvNeed::Optional}, {"diameter_m", CsvNeed::Optional}}};
 constexpr CsvRange kSightingsRange{1.0, 1e9, ""};
 constexpr CsvRange kMapPlace{-core::kLatticeReach_m, core::kLatticeReach_m, "m"};
 
@@ -353,7 +354,12 @@ tl::expected<MapPoint, InputError> parse_map(const CsvReader& csv) {
   if (!y_m) {
     return tl::unexpected(y_m.error());
   }
-  MapPoint point{*id, {*x_m, *y_m}, {}};
+  MapPoint point{*id, {*x_m, *y_m}, {}, 0.0};
+  if (csv.has(kMapDiameter) && !csv.text(kMapDiameter).empty()) {
+    if (auto parsed = parse_into(point.diameter_m, csv, kMapDiameter, kDiameterRange); !parsed) {
+      return tl::unexpected(std::move(parsed.error()));
+    }
+  }
   if (csv.has(kMapSightings)) {
     const auto sightings = csv.number(kMapSightings, kSightingsRange);
     if (!sightings) {

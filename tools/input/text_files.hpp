@@ -86,11 +86,12 @@ struct MapPoint {
   std::int64_t id = 0;
   core::Point2 position_W = core::Point2::Zero();  ///< m
   std::optional<std::uint32_t> sightings;          ///< of a map that a sensor made
+  double diameter_m = 0.0;                         ///< 0: not known
 };
 
-/// The landmarks of a map (`id,x_m,y_m[,sightings]` in any order, further columns ignored), in the order of
-/// the file, at least one. An error, with the line, when an id is not a whole number or occurs twice, a
-/// coordinate is not a number within core::kLatticeReach_m, or a landmark was never seen.
+/// The landmarks of a map (`id,x_m,y_m[,sightings][,diameter_m]` in any order, further columns ignored), in
+/// the order of the file, at least one. An error, with the line, when an id is not a whole number or occurs
+/// twice, a coordinate is not a number within core::kLatticeReach_m, or a landmark was never seen.
 [[nodiscard]] tl::expected<std::vector<MapPoint>, InputError> parse_map_csv(std::string_view text,
                                                                             std::string_view name);
 

@@ -50,6 +50,11 @@ Json sigma_json(const core::MapLandmark& landmark) {
                                  : Json();
 }
 
+/// Null when it is not known.
+Json diameter_json(const core::MapLandmark& landmark) {
+  return landmark.size.is_known() ? Json(rounded(landmark.size.diameter_m(), kMetreDecimals)) : Json();
+}
+
 Json landmark_feature(const MapFile& map, std::size_t i, const std::optional<MapEarth>& earth) {
   const core::MapLandmark& landmark = map.landmarks[i];
   const core::Point2& point_W = map.positions_W[i];
@@ -60,6 +65,7 @@ Json landmark_feature(const MapFile& map, std::size_t i, const std::optional<Map
             {"id", landmark.id},
             {"xi", landmark.xi},
             {"sigma_m", sigma_json(landmark)},
+            {"diameter_m", diameter_json(landmark)},
             {"sightings", landmark.sightings},
             {"first_scan", landmark.first_scan},
             {"last_scan", landmark.last_scan},
@@ -128,9 +134,14 @@ std::string sigma_text(const core::MapLandmark& landmark) {
                                  : std::string();
 }
 
+/// Empty when it is not known.
+std::string diameter_text(const core::MapLandmark& landmark) {
+  return landmark.size.is_known() ? fixed_text(landmark.size.diameter_m(), kMetreDecimals) : std::string();
+}
+
 std::string csv(const MapFile& map) {
   const std::optional<MapEarth> earth = earth_of(map);
-  std::string out = "kind,id,x_m,y_m,heading_deg,xi,sightings,first_scan,last_scan,sigma_m";
+  std::string out = "kind,id,x_m,y_m,heading_deg,xi,sightings,first_scan,last_scan,sigma_m,diameter_m";
   out += earth ? ",latitude_deg,longitude_deg\n" : "\n";
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     const core::MapLandmark& landmark = map.landmarks[i];
@@ -144,7 +155,7 @@ std::string csv(const MapFile& map) {
       out += ',';
       append_integer(out, number);
     }
-    out += ',' + sigma_text(landmark);
+    out += ',' + sigma_text(landmark) + ',' + diameter_text(landmark);
     append_place(out, map.positions_W[i], earth);
   }
   for (const core::PathPose& pose : map.path) {
@@ -152,7 +163,7 @@ std::string csv(const MapFile& map) {
     out += "pose," + scan + ',';
     append_metres(out, pose.pose_W.translation());
     out += ',' + fixed_text(pose.pose_W.heading_rad / core::kDegree, 3) + ',' + std::to_string(pose.xi) +
-           ",," + scan + ',' + scan + ',';
+           ",," + scan + ',' + scan + ",,";
     append_place(out, pose.pose_W.translation(), earth);
   }
   return out;
@@ -171,15 +182,22 @@ std::string attributes(const EarthPoint& place) {
 
 std::string landmark_words(const core::MapLandmark& landmark) {
   const std::string sigma = sigma_text(landmark);
+  const std::string diameter = diameter_text(landmark);
   return "xi " + std::to_string(landmark.xi) + ", " + (sigma.empty() ? "" : "sigma " + sigma + " m, ") +
-         "sightings " + std::to_string(landmark.sightings) + ", scans " +
-         std::to_string(landmark.first_scan) + " to " + std::to_string(landmark.last_scan);
+         (diameter.empty() ? "" : "diameter " + diameter + " m, ") + "sightings " +
+         std::to_string(landmark.sightings) + ", scans " + std::to_string(landmark.first_scan) + " to " +
+         std::to_string(landmark.last_scan);
 }
 
 void append_named(std::string& out, const std::string& name) {
   out += "<name>";
   append_xml_text(out, name);
   out += "</name>";
+}
+
+/// Empty without a text.
+std::string xml_element(const std::string& name, const std::string& text) {
+  return text.empty() ? text : '<' + name + '>' + text + "</" + name + '>';
 }
 
 std::string gpx(const MapFile& map, const MapEarth& earth) {
@@ -196,9 +214,8 @@ std::string gpx(const MapFile& map, const MapEarth& earth) {
     out += "<desc>" + landmark_words(landmark) + "</desc><type>landmark</type><extensions><slamsensor:xi>" +
            std::to_string(landmark.xi) + "</slamsensor:xi><slamsensor:sightings>" +
            std::to_string(landmark.sightings) + "</slamsensor:sightings>" +
-           (landmark.sigma_m > 0.0F ? "<slamsensor:sigma_m>" + sigma_text(landmark) + "</slamsensor:sigma_m>"
-                                    : "") +
-           "</extensions></wpt>\n";
+           xml_element("slamsensor:sigma_m", sigma_text(landmark)) +
+           xml_element("slamsensor:diameter_m", diameter_text(landmark)) + "</extensions></wpt>\n";
   }
   if (!map.path.empty()) {
     out += "<trk><name>path</name><trkseg>\n";
@@ -215,6 +232,11 @@ std::string kml_coordinates(const EarthPoint& place) {
          fixed_text(place.latitude_deg, kDegreeDecimals);
 }
 
+/// Empty without a value.
+std::string kml_data(const std::string& name, const std::string& value) {
+  return value.empty() ? value : "<Data name=\"" + name + "\"><value>" + value + "</value></Data>";
+}
+
 std::string kml(const MapFile& map, const MapEarth& earth) {
   std::string out = xml_head("<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document>");
   append_named(out, map.about.name);
@@ -223,14 +245,12 @@ std::string kml(const MapFile& map, const MapEarth& earth) {
     const core::MapLandmark& landmark = map.landmarks[i];
     out += "<Placemark>";
     append_named(out, std::to_string(landmark.id));
-    out +=
-        "<description>" + landmark_words(landmark) + "</description><ExtendedData><Data name=\"xi\"><value>" +
-        std::to_string(landmark.xi) + "</value></Data><Data name=\"sightings\"><value>" +
-        std::to_string(landmark.sightings) + "</value></Data>" +
-        (landmark.sigma_m > 0.0F ? "<Data name=\"sigma_m\"><value>" + sigma_text(landmark) + "</value></Data>"
-                                 : "") +
-        "</ExtendedData><Point><coordinates>" + kml_coordinates(earth.on_earth(map.positions_W[i])) +
-        "</coordinates></Point></Placemark>\n";
+    out += "<description>" + landmark_words(landmark) +
+           "</description><ExtendedData><Data name=\"xi\"><value>" + std::to_string(landmark.xi) +
+           "</value></Data><Data name=\"sightings\"><value>" + std::to_string(landmark.sightings) +
+           "</value></Data>" + kml_data("sigma_m", sigma_text(landmark)) +
+           kml_data("diameter_m", diameter_text(landmark)) + "</ExtendedData><Point><coordinates>" +
+           kml_coordinates(earth.on_earth(map.positions_W[i])) + "</coordinates></Point></Placemark>\n";
   }
   out += "</Folder>\n";
   if (map.path.size() >= 2) {

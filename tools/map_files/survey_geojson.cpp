@@ -111,6 +111,8 @@ class GeoJsonReader {
     }
     const auto own_id = properties != nullptr ? id_of(*properties) : std::nullopt;
     id_ = own_id ? own_id : id_of(feature);
+    const Json* const diameter = properties != nullptr ? member(*properties, "diameter_m") : nullptr;
+    diameter_m_ = diameter != nullptr && diameter->is_number() ? diameter->get<double>() : 0.0;
     return geometry(*own_geometry);
   }
 
@@ -175,6 +177,7 @@ class GeoJsonReader {
     SurveyPoint point;
     point.line = line_;
     point.id = id_;
+    point.diameter_m = diameter_m_;
     if (survey_.frame == SurveyFrame::LocalMetres) {
       point.local_m = {first, second};
     } else if (std::abs(second) <= 90.0 && std::abs(first) <= 180.0) {
@@ -192,6 +195,7 @@ class GeoJsonReader {
   Survey& survey_;
   std::size_t line_ = 1;
   std::optional<std::int64_t> id_;
+  double diameter_m_ = 0.0;
 };
 
 /// In which frame the coordinates are, by the member "crs": none is WGS 84, null says local metres.

@@ -23,6 +23,7 @@ namespace {
 // National grids count up to ten thousand kilometres; what is out of the map's reach is refused later, with
 // the remedy of an origin.
 constexpr CsvRange kGrid{-1e8, 1e8, "m"};
+constexpr CsvRange kDiameter{0.0, 100.0, "m"};
 constexpr CsvRange kLatitude{-90.0, 90.0, "deg"};
 constexpr CsvRange kLongitude{-180.0, 180.0, "deg"};
 
@@ -101,6 +102,7 @@ class SurveyTable {
       columns_.push_back({pair.second, CsvNeed::Optional});
     }
     id_ = add("id");
+    diameter_ = add("diameter_m");
     kind_ = add("kind");
     if (wanted.where) {
       where_ = add(wanted.where->first);
@@ -200,6 +202,13 @@ class SurveyTable {
         point.id = *id;
       }
     }
+    if (csv.has(diameter_) && !csv.text(diameter_).empty()) {
+      const auto diameter_m = csv.number(diameter_, kDiameter);
+      if (!diameter_m) {
+        return tl::unexpected(diameter_m.error());
+      }
+      point.diameter_m = *diameter_m;
+    }
     return point;
   }
 
@@ -208,6 +217,7 @@ class SurveyTable {
   std::vector<CsvColumn> columns_;
   std::size_t pair_ = 0;
   std::size_t id_ = 0;
+  std::size_t diameter_ = 0;
   std::size_t kind_ = 0;
   std::size_t where_ = 0;
 };
@@ -309,7 +319,12 @@ tl::expected<SurveyMap, InputError> map_of_survey(const Survey& survey, std::str
   made.id_problem = id_problem(survey.points);
   const bool are_ids_kept = made.id_problem.empty();
   Places places(kOnePlace_m);
-  std::vector<std::pair<std::uint32_t, core::Point2>> landmarks;
+  struct Landmark {
+    std::uint32_t id;
+    core::Point2 point_W;
+    double diameter_m;
+  };
+  std::vector<Landmark> landmarks;
   for (const SurveyPoint& point : survey.points) {
     const core::Point2 point_W = is_local ? point.local_m - wishes.origin_m : earth->in_map(point.place);
     if (!core::on_lattice(point_W)) {
@@ -321,22 +336,24 @@ tl::expected<SurveyMap, InputError> map_of_survey(const Survey& survey, std::str
       continue;
     }
     const auto next = static_cast<std::uint32_t>(landmarks.size());
-    landmarks.emplace_back(are_ids_kept ? static_cast<std::uint32_t>(*point.id) : next, point_W);
+    landmarks.push_back(
+        {are_ids_kept ? static_cast<std::uint32_t>(*point.id) : next, point_W, point.diameter_m});
   }
   if (landmarks.size() < 3) {
     return refuse(name, "holds " + std::to_string(landmarks.size()) +
                             " landmarks at different places; a place is found from three or more");
   }
   std::sort(landmarks.begin(), landmarks.end(),
-            [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (const auto& [id, point_W] : landmarks) {
+            [](const Landmark& a, const Landmark& b) { return a.id < b.id; });
+  for (const auto& [id, point_W, diameter_m] : landmarks) {
     core::MapLandmark landmark;
     landmark.id = id;
     landmark.sightings = landmark.chances = 1;
+    landmark.size = core::LandmarkSize::seen(diameter_m);
     made.map.landmarks.push_back(landmark);
     made.map.positions_W.push_back(point_W);
   }
-  made.map.numbers.next_id = landmarks.back().first + 1;
+  made.map.numbers.next_id = landmarks.back().id + 1;
   made.map.numbers.scans = 1;
   return made;
 }

@@ -31,6 +31,7 @@ struct SurveyPoint {
   core::Point2 local_m = core::Point2::Zero();  ///< meant when the survey is in local metres
   EarthPoint place;                             ///< meant when it is in latitude and longitude
   std::optional<std::int64_t> id;
+  double diameter_m = 0.0;  ///< 0: not measured
   std::size_t line = 0;
 };
 
@@ -46,14 +47,14 @@ struct Survey {
 
 /// A table with a first line of column names: `x_m,y_m` (also x,y; easting,northing) in metres or
 /// `latitude_deg,longitude_deg` (also lat,lon; latitude,longitude; lng, long), in small or capital letters,
-/// and maybe `id` and `kind` (rows of another kind than `landmark` are passed over). Other columns are
-/// ignored. An error names file, line and remedy.
+/// maybe `id`, `diameter_m` and `kind` (rows of another kind than `landmark` are passed over). Other columns
+/// are ignored. An error names file, line and remedy.
 [[nodiscard]] tl::expected<Survey, InputError> parse_survey_csv(std::string_view text, std::string_view name,
                                                                 const SurveyColumns& columns);
 
 /// The points of a GeoJSON (Feature, FeatureCollection, Point, MultiPoint, GeometryCollection); other
-/// geometries are passed over. WGS 84, unless the file says "crs": null or names an ENGCRS, as `map export`
-/// does. An error names file, line and remedy.
+/// geometries are passed over. Properties: `id`, `diameter_m`, `kind`, as above. WGS 84, unless the file says
+/// "crs": null or names an ENGCRS, as `map export` does. An error names file, line and remedy.
 [[nodiscard]] tl::expected<Survey, InputError> parse_survey_geojson(std::string_view text,
                                                                     std::string_view name);
 

@@ -141,13 +141,15 @@ void append_row(std::string& out, const MapRow& row) {
   }
   out += ',';
   if (row.sigma_m > 0.0) append_fixed(out, row.sigma_m, 4);
+  out += ',';
+  if (row.diameter_m > 0.0) append_fixed(out, row.diameter_m, 3);
   out += '\n';
 }
 
 }  // namespace
 
 std::string format_landmarks(std::span<const ScanRows> scans) {
-  std::string out = "scan,x_m,y_m,weight\n";
+  std::string out = "scan,x_m,y_m,diameter_m,weight\n";
   for (const ScanRows& scan : scans) {
     for (const core::ScanLandmark& landmark : scan.landmarks) {
       append_integer(out, scan.scan);
@@ -155,6 +157,8 @@ std::string format_landmarks(std::span<const ScanRows> scans) {
       append_fixed(out, landmark.position_L.x(), 6);
       out += ',';
       append_fixed(out, landmark.position_L.y(), 6);
+      out += ',';
+      append_fixed(out, landmark.diameter_m, 4);
       out += ',';
       append_shortest(out, landmark.weight);
       out += '\n';
@@ -164,7 +168,7 @@ std::string format_landmarks(std::span<const ScanRows> scans) {
 }
 
 std::string format_map(std::span<const MapRow> rows) {
-  std::string out = "id,x_m,y_m,xi,sightings,first_scan,last_scan,sigma_m\n";
+  std::string out = "id,x_m,y_m,xi,sightings,first_scan,last_scan,sigma_m,diameter_m\n";
   for (const MapRow& row : rows) append_row(out, row);
   return out;
 }
@@ -291,7 +295,7 @@ std::vector<MapRow> map_rows(const MapFile& map) {
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     const core::MapLandmark& landmark = map.landmarks[i];
     rows.push_back({landmark.id, map.positions_W[i], landmark.xi, landmark.sightings, landmark.first_scan,
-                    landmark.last_scan, static_cast<double>(landmark.sigma_m)});
+                    landmark.last_scan, static_cast<double>(landmark.sigma_m), landmark.size.diameter_m()});
   }
   return rows;
 }

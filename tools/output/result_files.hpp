@@ -59,11 +59,12 @@ struct MapRow {
   std::uint32_t sightings = 0;                     ///< scans that matched it, the one that found it included
   std::int64_t first_scan = 0;
   std::int64_t last_scan = 0;
-  double sigma_m = 0.0;  ///< of its place in the map's frame, along each axis; 0: not known
+  double sigma_m = 0.0;     ///< of its place in the map's frame, along each axis; 0: not known
+  double diameter_m = 0.0;  ///< 0: not known
 };
 
-/// The whole of map.csv: the heading `id,x_m,y_m,xi,sightings,first_scan,last_scan,sigma_m` and a line per
-/// row, in the order given, metres with 6 decimals.
+/// The whole of map.csv: the heading `id,x_m,y_m,xi,sightings,first_scan,last_scan,sigma_m,diameter_m` and a
+/// line per row, in the order given, metres with 6 decimals.
 [[nodiscard]] std::string format_map(std::span<const MapRow> rows);
 
 /// `path` holds `format_map(rows)`, or is as it was and the error says why.

@@ -186,7 +186,7 @@ void ScanLog::add(const ScanMessage& message) {
     begun_by_ = message.initialization;
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(message.count); ++i) {
-    scan_.landmarks.push_back({{message.x_m[i], message.y_m[i]}, message.weight[i]});
+    scan_.landmarks.push_back({{message.x_m[i], message.y_m[i]}, message.weight[i], message.diameter_m[i]});
   }
   ++chunks_;
 }

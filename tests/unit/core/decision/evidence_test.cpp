@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -48,6 +50,7 @@ class Mapped {
   Evidence weigh(const std::vector<Point2>& scan, Candidate& candidate) {
     Witnesses witnesses;
     witnesses.points_B = scan;
+    witnesses.sizes = sizes;
     witnesses.view = &view;
     witnesses.is_surveyed = is_surveyed;
     witnesses.sensor_reach_m = sensor_reach_m;
@@ -79,6 +82,7 @@ class Mapped {
   std::vector<Standing> standing;
   Rates rates;
   ScanView view;
+  std::vector<LandmarkSize> sizes;  // of the scan's landmarks
   bool is_surveyed = false;
   double sensor_reach_m = 0.0;
 
@@ -298,6 +302,78 @@ TEST(Evidence, ASensorOfShortReachHasSmallerGroups) {
   EXPECT_GE(small.small_group_decades, unknown.group_decades + 1.0);
   mapped.sensor_reach_m = 20.0;  // from there on the usual size is the smaller
   EXPECT_EQ(mapped.weigh_at(scan, {}).small_group_decades, unknown.group_decades);
+}
+
+/// Trees of a known place whose thickness the map has from four sightings, and which a scan shows.
+class Thickness : public testing::Test {
+ protected:
+  Thickness() : scan_(tests::scan_forest(forest_, {}, {24, 0.0, 0, 0.05}, draw_)) {
+    for (std::size_t slot = 0; slot < forest_.trees_W.size(); ++slot) {
+      trees_.push_back(draw_.normal(0.4));
+      mapped_.standing[slot].size = {static_cast<float>(trees_[slot] + draw_.normal(kError / 2.0)), 4.0F};
+    }
+    mapped_.rates.size_count = 1000.0;
+    mapped_.rates.size_square = kError * kError * mapped_.rates.size_count;
+  }
+  /// The scan's sizes, if its landmarks were the trees that `tree_of` names for those which they are.
+  Evidence weigh_as(const std::function<std::size_t(std::uint32_t)>& tree_of) {
+    mapped_.sizes.clear();
+    for (const Point2& point : scan_) {
+      double d2 = 0.0;
+      const std::uint32_t slot = mapped_.index->nearest_within(0, point, 1.0, d2);
+      mapped_.sizes.push_back(
+          slot == LandmarkIndex::kNone
+              ? LandmarkSize{}
+              : LandmarkSize{static_cast<float>(trees_[tree_of(slot)] + draw_.normal(kError)), 1.0F});
+    }
+    return mapped_.weigh_at(scan_, {});
+  }
+
+  static constexpr double kError = 0.1;  // of a ln diameter
+  Draw draw_{71};
+  Forest forest_ = tests::make_forest(180, draw_);
+  std::vector<double> trees_;  // ln diameters
+  Mapped mapped_{forest_};
+  std::vector<Point2> scan_;
+};
+
+TEST_F(Thickness, TheTreesThatStandThereSpeakForThePlace) {
+  const Evidence evidence = weigh_as([](std::uint32_t slot) { return slot; });
+  EXPECT_GT(evidence.ln_sizes, 10.0);
+  EXPECT_GT(evidence.log10_odd_sizes, -1.0);
+}
+
+TEST_F(Thickness, OthersSpeakAgainstIt) {
+  const Evidence evidence =
+      weigh_as([&](std::uint32_t slot) { return (slot + 90) % forest_.trees_W.size(); });
+  EXPECT_LT(evidence.ln_sizes, -5.0);
+  EXPECT_LT(evidence.log10_odd_sizes, -1.0);
+}
+
+// The ratio of two likelihoods: where trees are others, its mean is 1, however often it is asked.
+TEST_F(Thickness, OthersSeldomSpeakForIt) {
+  double sum = 0.0;
+  constexpr int kPlaces = 2000;
+  for (int i = 0; i < kPlaces; ++i) {
+    sum += std::exp(weigh_as([&](std::uint32_t) {
+                      return draw_.below(static_cast<std::uint32_t>(trees_.size()));
+                    }).ln_sizes);
+  }
+  EXPECT_LT(sum / kPlaces, 1.5);
+}
+
+TEST_F(Thickness, WhereAllAreAlikeItSaysNothing) {
+  std::fill(trees_.begin(), trees_.end(), -1.0);
+  for (Standing& standing : mapped_.standing) {
+    standing.size = {-1.0F, 4.0F};
+  }
+  EXPECT_NEAR(weigh_as([](std::uint32_t slot) { return slot; }).ln_sizes, 0.0, 2.0);
+}
+
+// A detector whose widths are not the trees': the map says how much they differ from sighting to sighting.
+TEST_F(Thickness, WhatIsMeasuredBadlySaysNothing) {
+  mapped_.rates.size_square = 0.4 * mapped_.rates.size_count;
+  EXPECT_EQ(weigh_as([](std::uint32_t slot) { return slot; }).ln_sizes, 0.0);
 }
 
 }  // namespace

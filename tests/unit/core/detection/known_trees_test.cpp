@@ -31,15 +31,15 @@ double bark_m(const Tree& tree, double pan_rad) {
                                                    : Reading::kNoReturn;
 }
 
-/// A sensor that turns all the way round: 5,000 readings a scanline, 21 scanlines of 0.5 deg from the
+/// A sensor that turns all the way round: `shots` readings a scanline, 21 scanlines of 0.5 deg from the
 /// horizontal up.
-Scan scan_of(const std::vector<Tree>& trees) {
+Scan scan_of(const std::vector<Tree>& trees, int shots = 5000) {
   Scan scan;
   for (int line = 0; line < 21; ++line) {
     const double tilt_rad = 0.5 * line * kDegree;
     Scanline scanline;
-    for (int shot = 0; shot < 5000; ++shot) {
-      const double pan_rad = (shot + 0.5) / 5000.0 * 2.0 * std::numbers::pi;
+    for (int shot = 0; shot < shots; ++shot) {
+      const double pan_rad = (shot + 0.5) / shots * 2.0 * std::numbers::pi;
       double range_m = Reading::kNoReturn;
       for (const Tree& tree : trees) {
         const double distance_m = bark_m(tree, pan_rad);
@@ -138,6 +138,38 @@ TEST(KnownTrees, ReadingMeanIsNearerThanHullCentroid) {
   RecordProperty("hull_rms_mm", static_cast<int>(1000.0 * hull_rms_m));
   RecordProperty("mean_rms_mm", static_cast<int>(1000.0 * mean_rms_m));
   EXPECT_LT(mean_rms_m, 0.75 * hull_rms_m);
+}
+
+// Of many trees, as each alone is quantised by the columns.
+TEST(KnownTrees, TheirDiameterIsMeasuredWhereTheyAreWiderThanAColumn) {
+  const DetectionConfig config = turning_config(LandmarkPoint::ReadingMean);
+  for (const int shots : {800, 1500, 5000}) {
+    for (const double radius_m : {0.1, 0.2, 0.4}) {
+      for (const double columns_wide : {4.0, 8.0, 15.0}) {
+        const double distance_m = 2.0 * radius_m / (columns_wide * config.bearing_step_rad);
+        double sum = 0.0;
+        constexpr int kTrees = 20;
+        for (int i = 0; i < kTrees; ++i) {
+          const auto found =
+              detect(config, scan_of({{polar(distance_m, 0.3 + 0.17 * i), radius_m, 10.0}}, shots));
+          ASSERT_EQ(found.size(), 1U);
+          sum += found[0].diameter_m / (2.0 * radius_m);
+        }
+        EXPECT_NEAR(sum / kTrees, 1.0, 0.4 / columns_wide)
+            << shots << " readings, " << radius_m << " m, " << columns_wide << " columns";
+      }
+    }
+  }
+}
+
+TEST(KnownTrees, WhatIsNoWiderThanAColumnHasNoDiameter) {
+  const DetectionConfig config = turning_config(LandmarkPoint::ReadingMean);
+  for (int i = 0; i < 20; ++i) {
+    const auto found =
+        detect(config, scan_of({{polar(20.0, (i + 0.5) * config.bearing_step_rad), 0.05, 10.0}}));
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].diameter_m, 0.0) << i;
+  }
 }
 
 }  // namespace

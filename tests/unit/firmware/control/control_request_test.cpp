@@ -127,7 +127,7 @@ TEST(ControlRequest, HelpNamesEveryRequestOnce) {
     EXPECT_TRUE(words.insert(control_verbs()[i].words).second) << control_verbs()[i].words;
     EXPECT_FALSE(control_verbs()[i].description.empty());
   }
-  EXPECT_EQ(control_help("map")->lines.size(), 8U);
+  EXPECT_EQ(control_help("map")->lines.size(), 9U);
   EXPECT_EQ(control_help("nothing").error().code, ControlErrorCode::NotFound);
 }
 

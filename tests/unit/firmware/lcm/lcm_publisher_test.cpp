@@ -72,7 +72,7 @@ TEST(LcmPublisher, TakesItsChannelsFromTheSettings) {
 
 TEST(LcmPublisher, SpreadsALargeMapOverSeveralCalls) {
   Bench bench;
-  const tests::SampleMap map(1000);  // 34 chunks
+  const tests::SampleMap map(1000);  // 40 chunks
   std::optional<std::uint32_t> next = 0;
   int calls = 0;
   while (next) {
@@ -81,7 +81,7 @@ TEST(LcmPublisher, SpreadsALargeMapOverSeveralCalls) {
   }
   EXPECT_EQ(calls, 4);
   const auto& sent = bench.tape.messages.at("SLAMSENSOR_MAP");
-  ASSERT_EQ(sent.size(), 34U);
+  ASSERT_EQ(sent.size(), 40U);
   for (std::size_t i = 0; i < sent.size(); ++i) {
     EXPECT_EQ(decode_lcm<MapMessage>(sent[i]).value().chunk, static_cast<std::int32_t>(i));
   }

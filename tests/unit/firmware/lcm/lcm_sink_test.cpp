@@ -243,7 +243,7 @@ TEST_F(LcmSinkOnline, AllocatesNothingWhileItIsOpen) {
     sink.service(seconds(5));
     EXPECT_EQ(scope.heap_calls(), 0U);
     EXPECT_FALSE(next);
-    EXPECT_EQ(sink.counters()[0].value, 2U + 2U + 7U + 2U + 34U);
+    EXPECT_EQ(sink.counters()[0].value, 2U + 2U + 7U + 2U + 40U);
   });
 }
 

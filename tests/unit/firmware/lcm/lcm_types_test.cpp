@@ -37,9 +37,9 @@ for path in sorted(folder.glob('*.message')):
     if path.stem == 'slamsensor.counters_t':
         print(message.name[2].rstrip(b'\0').decode(), message.value[2], message.station == cls.STATION_PAN_TILT)
     if path.stem == 'slamsensor.map_t':
-        print(message.id[1], message.y_m[1], message.sightings[1], message.sigma_m[3])
+        print(message.id[1], message.y_m[1], message.sightings[1], message.sigma_m[3], message.diameter_m[8])
     if path.stem == 'slamsensor.scan_t':
-        print(message.x_m[2], message.weight[2], message.scan_end_monotonic_ns)
+        print(message.x_m[2], message.weight[2], message.diameter_m[2], message.scan_end_monotonic_ns)
     if path.stem == 'slamsensor.rivals_t':
         print(message.count, message.y_m[1], message.matches[1])
 )";
@@ -106,11 +106,11 @@ TEST_F(LcmTypes, AreThoseOfTheLcmFiles) {
       read_by_generated_code(),
       line_of<BotCorePose>("bot_core.pose_t") +  //
           line_of<CountersMessage>("slamsensor.counters_t") + "resynchronised 281474976710655 True\n" +
-          line_of<MapMessage>("slamsensor.map_t") + "13 -0.25 2 0.75\n" +
+          line_of<MapMessage>("slamsensor.map_t") + "13 -0.25 2 0.75 2.718281828459045\n" +
           line_of<PoseMessage>("slamsensor.pose_t") +
           "1752488140000000 4294967290 True 12.5 3e-05 2 True -81985529216486896 3 3 0.9 6e-06 9 10 11\n" +
           line_of<RivalsMessage>("slamsensor.rivals_t") + "2 -2.25 19\n" +
-          line_of<ScanMessage>("slamsensor.scan_t") + "0.2 998.0 98765432101\n" +
+          line_of<ScanMessage>("slamsensor.scan_t") + "0.2 998.0 0.02 98765432101\n" +
           line_of<StatusMessage>("slamsensor.status_t") +
           "no reply at 115200 baud; check cable and power True -0.75 2 31\n");
 }

@@ -165,7 +165,7 @@ TEST(LcmCounters, AreAllThereInParts) {
 // For every number of landmarks around the edges of a chunk.
 TEST(LcmScan, BringsTheLandmarksBitForBit) {
   std::array<std::uint8_t, 1400> out{};
-  for (const std::size_t size : {0U, 1U, 49U, 50U, 51U, 100U, 101U}) {
+  for (const std::size_t size : {0U, 1U, 39U, 40U, 41U, 80U, 81U}) {
     const std::vector<core::ScanLandmark> landmarks = tests::sample_landmarks(size);
     const LcmScanView scan = tests::view_of(landmarks);
     std::size_t next = 0;
@@ -180,6 +180,7 @@ TEST(LcmScan, BringsTheLandmarksBitForBit) {
         EXPECT_EQ(message->x_m[i], landmarks[next].position_L.x());
         EXPECT_EQ(message->y_m[i], landmarks[next].position_L.y());
         EXPECT_EQ(message->weight[i], landmarks[next].weight);
+        EXPECT_EQ(message->diameter_m[i], landmarks[next].diameter_m);
       }
     }
     EXPECT_EQ(next, size);
@@ -214,7 +215,7 @@ TEST(LcmRivals, MoreThanThereIsRoomForAreNoMessage) {
 
 TEST(LcmMap, BringsTheLandmarks) {
   std::array<std::uint8_t, 1400> out{};
-  for (const std::uint32_t size : {0U, 1U, 30U, 31U, 1000U}) {
+  for (const std::uint32_t size : {0U, 1U, 25U, 26U, 1000U}) {
     const tests::SampleMap map(size);
     std::size_t next = 0;
     for (std::uint32_t chunk = 0; chunk < map_chunks(map.view()); ++chunk) {
@@ -224,6 +225,7 @@ TEST(LcmMap, BringsTheLandmarks) {
         EXPECT_EQ(message->id[i], map.landmarks[next].id);
         EXPECT_EQ(message->x_m[i], map.positions_W[next].x());
         EXPECT_EQ(message->sigma_m[i], static_cast<double>(map.landmarks[next].sigma_m));
+        EXPECT_EQ(message->diameter_m[i], map.landmarks[next].size.diameter_m());
         EXPECT_EQ(message->xi[i], static_cast<std::int32_t>(map.landmarks[next].xi));
         EXPECT_EQ(message->sightings[i], static_cast<std::int32_t>(map.landmarks[next].sightings));
         EXPECT_EQ(message->last_scan[i], static_cast<std::int32_t>(map.landmarks[next].last_scan));
@@ -235,7 +237,7 @@ TEST(LcmMap, BringsTheLandmarks) {
 
 TEST(LcmChunks, AreRefusedWhenTheirNumbersDisagree) {
   ScanMessage good;
-  good.landmarks = 101;
+  good.landmarks = 81;
   good.chunk = 2;
   good.chunks = 3;
   good.count = 1;

@@ -99,7 +99,8 @@ struct SampleMap {
                            .xi = i % 7,
                            .sightings = i + 1,
                            .last_scan = 2 * i,
-                           .sigma_m = 0.25F * static_cast<float>(i)});
+                           .sigma_m = 0.25F * static_cast<float>(i),
+                           .size = {0.125F * static_cast<float>(i % 9), static_cast<float>(i % 3)}});
       positions_W.emplace_back(0.5 * i, -0.25 * i);
     }
   }
@@ -112,7 +113,7 @@ inline std::vector<core::ScanLandmark> sample_landmarks(std::size_t size) {
   std::vector<core::ScanLandmark> landmarks;
   for (std::size_t i = 0; i < size; ++i) {
     const auto x = static_cast<double>(i);
-    landmarks.push_back({{0.1 * x, 1.0 / (x + 3.0)}, 1000.0 - x});
+    landmarks.push_back({{0.1 * x, 1.0 / (x + 3.0)}, 1000.0 - x, 0.01 * x});
   }
   return landmarks;
 }

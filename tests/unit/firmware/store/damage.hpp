@@ -27,8 +27,8 @@ inline constexpr std::size_t kInfoHead = 28;
 inline constexpr std::size_t kInfo = 44;
 inline constexpr std::size_t kLandHead = 176;
 inline constexpr std::size_t kLand = 192;
-inline constexpr std::size_t kPathHead = 472;
-inline constexpr std::size_t kPath = 488;
-inline constexpr std::size_t kEnd = 584;
+inline constexpr std::size_t kPathHead = 512;
+inline constexpr std::size_t kPath = 528;
+inline constexpr std::size_t kEnd = 624;
 
 }  // namespace slamsensor::tests

@@ -120,11 +120,25 @@ TEST(MapFile, WhatWasLearnedWithAMapIsKept) {
   }
 }
 
-TEST(MapFile, VersionThreeIsReadWhichHasNothingOfWhatWasLearned) {
-  const auto old = decode_map(tests::from_hex(tests::kGoldenMapOfVersion3), unlimited_capacities());
-  ASSERT_TRUE(old) << old.error().message;
-  EXPECT_FALSE(old->numbers.rates);
-  EXPECT_EQ(encode_map(old->about, old->state()), tests::from_hex(tests::kGoldenMap));
+// Version 3 has nothing of what was learned, version 4 all but how well sizes are measured.
+TEST(MapFile, OlderVersionsAreReadWhichHaveNoSizes) {
+  MapFile sample = tests::sample_map();
+  for (core::MapLandmark& landmark : sample.landmarks) {
+    landmark.size = {};
+  }
+  for (const auto& golden : {tests::kGoldenMapOfVersion3, tests::kGoldenMapOfVersion4}) {
+    auto old = decode_map(tests::from_hex(golden), unlimited_capacities());
+    ASSERT_TRUE(old) << old.error().message;
+    ASSERT_EQ(old->numbers.rates.has_value(), golden == tests::kGoldenMapOfVersion4);
+    if (old->numbers.rates) {
+      EXPECT_EQ(old->numbers.rates->spread_m2, 0.25);
+      EXPECT_EQ(old->numbers.rates->bearings.back(), 19.0F);
+      EXPECT_EQ(old->numbers.rates->size_square, 0.0);
+      EXPECT_EQ(old->numbers.rates->size_count, 0.0);
+    }
+    old->numbers.rates.reset();
+    EXPECT_EQ(encode_map(old->about, old->state()), encode_map(sample.about, sample.state()));
+  }
 }
 
 TEST(MapFile, ADatumIsAPlaceThatTheSettingsCanHaveToo) {

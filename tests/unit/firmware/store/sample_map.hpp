@@ -51,6 +51,9 @@ inline firmware::MapFile sample_map() {
   for (std::size_t i = 0; i < kSigmas_m.size(); ++i) {
     map.landmarks[i].sigma_m = kSigmas_m[i];
   }
+  map.landmarks[0].size = {-1.5F, 21.0F};
+  map.landmarks[2].size = {0.75F, 8.0F};
+  map.landmarks[3].size = {-0.125F, 1.0F};
   map.positions_W = {{1.5, -2.25}, {-7.125, 0.0}, {0.1, 12.7}, {-64000.0, 33.0}, {8.0, 8.5}};
   map.path = {{0, 0, {}}, {4, 1, {1.25, -0.5, -3.0}}, {39, 2, {2.5, 0.75, 3.125}}};
   map.numbers.weight = 5'000'000'019;

@@ -28,6 +28,14 @@ TEST(MapCsv, KeepsTheOrderOfTheFileAndIgnoresFurtherColumns) {
   EXPECT_EQ(rows->at(1).position_W, core::Point2(3.25, -4.5));
 }
 
+TEST(MapCsv, ADiameterMayBeThere) {
+  const auto rows = parse_map_csv("id,x_m,y_m,diameter_m\n1,0,0,0.25\n2,1,0,\n3,2,0,0\n", "m.csv");
+  ASSERT_TRUE(rows) << rows.error().message;
+  EXPECT_EQ(rows->at(0).diameter_m, 0.25);
+  EXPECT_EQ(rows->at(1).diameter_m, 0.0);
+  EXPECT_EQ(rows->at(2).diameter_m, 0.0);
+}
+
 TEST(MapCsv, SaysLineAndReasonOfARefusal) {
   EXPECT_THAT(error_of(""), HasSubstr("empty"));
   EXPECT_THAT(error_of("id,x_m,y_m\n"), HasSubstr("holds no landmark"));
@@ -36,6 +44,7 @@ TEST(MapCsv, SaysLineAndReasonOfARefusal) {
               AllOf(HasSubstr("m.csv:4"), HasSubstr("line 2")));
   EXPECT_THAT(error_of("id,x_m,y_m\na,0,0\n"), HasSubstr("m.csv:2: id is 'a'"));
   EXPECT_THAT(error_of("id,x_m,y_m\n1,0,1e6\n"), HasSubstr("65000 m"));
+  EXPECT_THAT(error_of("id,x_m,y_m,diameter_m\n1,0,0,-1\n"), HasSubstr("m.csv:2: diameter_m"));
 }
 
 }  // namespace

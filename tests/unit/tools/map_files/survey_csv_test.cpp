@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
+#include <vector>
 
 namespace slamsensor::tools {
 namespace {
@@ -57,6 +59,28 @@ TEST(SurveyCsv, TheHintNamesTheShortNamesToo) {
   const auto survey = read("a,b\n1,2\n");
   ASSERT_FALSE(survey);
   EXPECT_THAT(survey.error().message, AllOf(HasSubstr("lat,lon"), HasSubstr("--columns")));
+}
+
+TEST(SurveyMap, KeepsDiameters) {
+  const auto sizes = [](const tl::expected<Survey, InputError>& survey) {
+    std::vector<double> diameters_m;
+    const auto made = map_of_survey(survey.value(), "s", {});
+    for (const core::MapLandmark& landmark : made->map.landmarks) {
+      diameters_m.push_back(std::round(1e4 * landmark.size.diameter_m()) / 1e4);
+    }
+    return diameters_m;
+  };
+  const std::vector<double> known{0.25, 0.0, 0.5};
+  EXPECT_EQ(sizes(read("id,x_m,y_m,diameter_m\n1,1,2,0.25\n2,7,3,\n3,5,6,0.5\n")), known);
+  const std::string point = R"({"type":"Feature","geometry":{"type":"Point","coordinates":[)";
+  EXPECT_EQ(sizes(parse_survey_geojson(R"({"type":"FeatureCollection","crs":null,"features":[)" + point +
+                                           R"(1,2]},"properties":{"diameter_m":0.25}},)" + point +
+                                           R"(7,3]},"properties":{"diameter_m":"thick"}},)" + point +
+                                           R"(5,6]},"properties":{"diameter_m":0.5}}]})",
+                                       "s.geojson")),
+            known);
+  EXPECT_THAT(read("x_m,y_m,diameter_m\n1,2,thick\n").error().message,
+              AllOf(HasSubstr("s.csv:2"), HasSubstr("diameter_m")));
 }
 
 TEST(SurveyMap, SaysWhyIdsAreGivenAnew) {

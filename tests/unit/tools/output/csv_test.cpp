@@ -124,9 +124,10 @@ TEST(TrajectoryTum, LeavesOutFixesOfAHomeMapThatWasGivenUp) {
 }
 
 TEST(MapCsv, Golden) {
-  const MapRow row{7, {1.25, -3.0}, 2, 9, -1, 56, 0.0625};
+  const MapRow row{7, {1.25, -3.0}, 2, 9, -1, 56, 0.0625, 0.305};
   EXPECT_EQ(format_map({&row, 1}),
-            "id,x_m,y_m,xi,sightings,first_scan,last_scan,sigma_m\n7,1.250000,-3.000000,2,9,-1,56,0.0625\n");
+            "id,x_m,y_m,xi,sightings,first_scan,last_scan,sigma_m,diameter_m\n7,1.250000,-3.000000,2,9,-1,56,"
+            "0.0625,0.305\n");
 }
 
 TEST(Csv, UnwritablePathIsReported) {

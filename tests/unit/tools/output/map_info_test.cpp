@@ -33,9 +33,9 @@ TEST(MapInfo, LeavesOutWhatAMapDoesNotSay) {
 TEST(MapInfo, RowsAreThoseOfMapCsv) {
   const std::vector<MapRow> rows = map_rows(tests::sample_map());
   ASSERT_EQ(rows.size(), 5U);
-  EXPECT_EQ(
-      format_map(std::span(rows).subspan(3, 1)),
-      "id,x_m,y_m,xi,sightings,first_scan,last_scan,sigma_m\n5,-64000.000000,33.000000,1,2,4,39,2.5000\n");
+  EXPECT_EQ(format_map(std::span(rows).subspan(3, 1)),
+            "id,x_m,y_m,xi,sightings,first_scan,last_scan,sigma_m,diameter_m\n5,-64000.000000,33.000000,1,2,"
+            "4,39,2.5000,0.882\n");
 }
 
 }  // namespace
