@@ -28,7 +28,9 @@ constexpr double kUnlikeStructure = 7.0;  // of a world that hardly repeats itse
 constexpr double kUnlikeMargin = 6.0;     // decades above what wrong places of this world reach
 constexpr double kUnlikeTieMargin = 9.0;
 constexpr double kUnlikeFarMargin = 15.0;  // from which on three groups are enough for a tie, too
-constexpr double kBeyondWrong = 1.0;  // decades above what wrong places of a world that repeats itself reach
+constexpr double kBeyondWrong =
+    1.0;  // decades above what wrong places of a world that repeats itself reach ...
+constexpr double kBeyondShare = 0.25;      // ... and at least this share of them
 constexpr double kTieContradiction = 2.0;  // and against a tie
 // Prior odds of a place that no map has: even, but in a survey, whose giver says that the sensor is in it.
 constexpr double kUnmapped = 1.0;
@@ -95,7 +97,8 @@ bool stands_alone(const Evidence& evidence, Stake stake, double structure_decade
 
 /// Whether wrong places of a world that repeats itself explain about as much.
 bool is_as_wrong_places(double decades, double structure_decades) noexcept {
-  return structure_decades > Rates::kStartStructure && decades < structure_decades + kBeyondWrong;
+  return structure_decades > Rates::kStartStructure &&
+         decades < structure_decades + std::max(kBeyondWrong, kBeyondShare * structure_decades);
 }
 
 Verdict refuse(Verdict verdict, FixStatus status, FixReason reason) noexcept {

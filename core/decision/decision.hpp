@@ -54,7 +54,8 @@ enum class Stake : std::uint8_t {
 ///    contradicted by a decade more than the answer is; raw odds mislead here, because what is missing at one
 ///    place may be new ground at the other. A place in another map counts where the world may repeat itself,
 ///    unless that map explains ten decades less, or is known to lie so that both places are one. And where
-///    the world repeats itself, the answer explains a decade more than wrong places of this map do.
+///    the world repeats itself, the answer explains more than wrong places of this map do, by a decade and by
+///    a quarter.
 ///
 /// And three sigma of the pose beside its landmarks stay within what is called right.
 [[nodiscard]] Verdict decide(std::span<const Weighed> weighed, MapSlot map, Stake stake, SearchEnd end,

@@ -298,9 +298,9 @@ double Atlas::log10_layers_by_chance(MapSlot map, const Pose2& pose_W, std::span
 }
 
 /// Whether `other` explains the scan by another layer of the map than `answer` does: the same ground, mapped
-/// twice with drift between. Each layer contradicts the other, so that the matches alone count. What tells
-/// layers from a lattice or a row: hardly any scan ever showed several landmarks of both, though both would
-/// have been in view.
+/// twice with drift between. Each layer contradicts the other, so that the matches and their sizes alone
+/// count. What tells layers from a lattice or a row: hardly any scan ever showed several landmarks of both,
+/// though both would have been in view.
 bool Atlas::is_layer(const Weighed& answer, const Weighed& other) noexcept {
   const Pose2& a = answer.candidate.pose_W;
   const Pose2& b = other.candidate.pose_W;
@@ -321,7 +321,9 @@ bool Atlas::is_layer(const Weighed& answer, const Weighed& other) noexcept {
     }
   }
   if (4 * others.size() < 3 * other.candidate.matches.size() ||
-      log10_layers_by_chance(other.candidate.map, b, matches.span(), apart_m) > -kNearDecades) {
+      log10_layers_by_chance(other.candidate.map, b, matches.span(), apart_m) -
+              other.evidence.ln_sizes / std::numbers::ln10 >
+          -kNearDecades) {
     return false;
   }
   std::uint32_t shown = 0;  // by the scans that showed the fewer

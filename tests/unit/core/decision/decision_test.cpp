@@ -214,11 +214,12 @@ TEST(Decide, AMapThatExplainsItBetterForbidsATieWhereTheWorldRepeatsItself) {
       << "a world without copies";
 }
 
-// A scan of a plantation was a fix 79 m from where it was: 13.0 decades, where wrong places of that map had
-// reached 13.3.
+// Scans of plantations were fixes 79 and 33 m from where they were: 13.0 and 44.5 decades, where wrong places
+// of those maps had reached 13.3 and 36.3.
 TEST(Decide, WhereTheWorldRepeatsItselfAFixExplainsMoreThanWrongPlacesDo) {
   EXPECT_EQ(judge({good(0.0, 13.0)}, Stake::Fix, 13.3).reason, FixReason::Symmetric);
-  EXPECT_EQ(judge({good(0.0, 15.0)}, Stake::Fix, 13.3).status, FixStatus::Fix);
+  EXPECT_EQ(judge({good(0.0, 44.5)}, Stake::Fix, 36.3).reason, FixReason::Symmetric);
+  EXPECT_EQ(judge({good(0.0, 17.0)}, Stake::Fix, 13.3).status, FixStatus::Fix);
   EXPECT_EQ(judge({good(0.0, 13.0)}, Stake::Again, 13.3).status, FixStatus::Fix) << "seen just before";
   EXPECT_EQ(judge({good(0.0, 7.0)}, Stake::Fix, Rates::kStartStructure).status, FixStatus::Fix)
       << "nothing is known of this world yet";
