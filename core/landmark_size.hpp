@@ -21,6 +21,12 @@ struct LandmarkSize {
   [[nodiscard]] double diameter_m() const noexcept {
     return is_known() ? std::exp(static_cast<double>(ln_diameter)) : 0.0;
   }
+  /// The variance of the mean, in those of one sighting. What sightings have in common, as the side from
+  /// which they looked, does not average out.
+  [[nodiscard]] double variance_share() const noexcept {
+    constexpr double kCommon = 0.3;
+    return kCommon + (1.0 - kCommon) / static_cast<double>(sightings);
+  }
   /// Takes in what other sightings measured. Trees grow: of the old ones no more than kMemory count.
   void add(const LandmarkSize& other) noexcept {
     constexpr float kMemory = 100.0F;

@@ -404,8 +404,8 @@ void EvidenceScale::weigh_sizes(const Scene& scene, const Candidate& candidate, 
     if (!seen.is_known() || !known.is_known()) {
       continue;
     }
-    const double own2 = measured2 / static_cast<double>(seen.sightings);
-    const double weight = static_cast<double>(known.sightings) / measured2;
+    const double own2 = measured2 * seen.variance_share();
+    const double weight = 1.0 / (measured2 * known.variance_share());
     const double variance = 1.0 / (1.0 / spread2 + weight);
     const double expected = variance * (mean / spread2 + weight * static_cast<double>(known.ln_diameter));
     const double off = static_cast<double>(seen.ln_diameter) - expected;

@@ -235,7 +235,7 @@ void Atlas::learn_sizes() noexcept {
     const LandmarkSize& known = graph_.standing()[match.map].size;
     if (seen.is_known() && known.is_known()) {
       const double off = static_cast<double>(seen.ln_diameter - known.ln_diameter);
-      rates_.size_square += std::min(far2, off * off / (1.0 + 1.0 / static_cast<double>(known.sightings)));
+      rates_.size_square += std::min(far2, off * off / (1.0 + known.variance_share()));
       rates_.size_count += 1.0;
     }
   }

@@ -27,6 +27,12 @@ TEST(LandmarkSize, WhatIsNoDiameterIsNotMeasured) {
   }
 }
 
+TEST(LandmarkSize, SightingsHaveErrorsInCommon) {
+  EXPECT_NEAR(LandmarkSize::seen(0.3).variance_share(), 1.0, 1e-6);
+  EXPECT_NEAR((LandmarkSize{0.0F, 7.0F}.variance_share()), 0.4, 1e-6);
+  EXPECT_GT((LandmarkSize{0.0F, 1e6F}.variance_share()), 0.3);
+}
+
 TEST(LandmarkSize, FollowsATreeThatGrows) {
   LandmarkSize size;
   for (int i = 0; i < 10'000; ++i) {
